@@ -1,0 +1,163 @@
+//! `fiberwalk measure`.
+
+use super::show::{grouped, totals_table};
+use fiberwalk::measure::{EngineChoice, Measurement, Progress, choose, prepare, run as measure};
+use fiberwalk::results::ResultFolder;
+use fiberwalk::scene::{Scene, Source};
+use fiberwalk::walk::WalkPlan;
+use fiberwalk::{Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Walks that are allowed in one run, in all: walk ids have 64 bits, counts of a run stay far below.
+const MAX_WALKS: u64 = 1 << 48;
+
+/// Measure the BSDF of a cloth: a result folder with bsdf.exr and summary.json
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Cloth file, or a preset: felt, nonwoven
+    cloth: String,
+    /// Result folder [default: the file's stem or the preset's name]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Walks of each incident cell
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..))]
+    walks: u64,
+    /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
+    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    engine: Choice,
+    /// Adapter by a part of its name (see `fiberwalk engines`)
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Replace an existing result
+    #[arg(long)]
+    force: bool,
+    /// No notes and no progress, only results and errors
+    #[arg(long)]
+    quiet: bool,
+    /// How the next collision is drawn: null-collision
+    #[arg(long, value_name = "TRACKING")]
+    tracking: Option<String>,
+    /// Where the next flight starts: at-hit
+    #[arg(long, value_name = "PLACEMENT")]
+    placement: Option<String>,
+    /// Incident directions: N of the disc basis, or a list such as "[[30, 0], [60, 0]]" (theta, phi in degrees)
+    #[arg(long, value_name = "BASIS", allow_hyphen_values = true)]
+    incident: Option<String>,
+    /// Exit cells: N of the disc basis
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    exit: Option<String>,
+    /// Lit sides: front
+    #[arg(long, value_name = "SIDES")]
+    sides: Option<String>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Choice {
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+/// Run the command.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let started = Instant::now();
+    let note = |text: &str| {
+        if !arguments.quiet {
+            eprintln!("{text}");
+        }
+    };
+    // Check everything that can be wrong before the first walk.
+    let source = Source::find(&arguments.cloth)?;
+    let scene = arguments.apply(Scene::parse(&source)?)?;
+    let (specific_length, tables, goniometer) = prepare(&scene)?;
+    let cells = goniometer.incident_cells() as u64;
+    if arguments.walks > MAX_WALKS / cells {
+        let most = MAX_WALKS / cells;
+        return Err(Error::Input(format!(
+            "--walks {} is too many for {cells} incident cells; allowed: 1 to {most}",
+            arguments.walks
+        )));
+    }
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
+    let folder = ResultFolder::prepare(&folder, arguments.force)?;
+    let choice = match arguments.engine {
+        Choice::Auto => EngineChoice::Auto,
+        Choice::Gpu => EngineChoice::Gpu,
+        Choice::Cpu => EngineChoice::Cpu,
+    };
+    let engine = choose(choice, arguments.adapter.as_deref())?;
+    note(&format!("{}: {}", source.file, scene.name));
+    note(&format!(
+        "medium: optical depth at most {:.1}, fibers fill {:.3}",
+        tables.depth(),
+        scene.sheet.volume_fraction(&scene.fibers)
+    ));
+    if specific_length.spread_error > 0.0 {
+        note(&format!(
+            "directions: a grid of {} smears the spread bundles; H is off by at most {:.2} %",
+            scene.model.directions,
+            100.0 * specific_length.spread_error
+        ));
+    }
+    note(&format!("engine: {} on {} ({})", engine.name, engine.adapter, engine.reason));
+
+    let bar = if arguments.quiet { ProgressBar::hidden() } else { progress_bar(arguments.walks * cells) };
+    let plan = WalkPlan::new(arguments.seed, arguments.walks);
+    let measurement = measure(&scene, &engine, &plan, started, &mut |progress| show_progress(&bar, progress))?;
+    bar.finish_and_clear();
+
+    let path = folder.path().to_owned();
+    folder.write(&scene, &measurement)?;
+    print!("{}", totals_table(&measurement));
+    println!("{}", speed(&measurement));
+    println!("{}", path.join("bsdf.exr").display());
+    println!("{}", path.join("summary.json").display());
+    Ok(())
+}
+
+impl Arguments {
+    /// Let the flags have their way over the file.
+    fn apply(&self, mut scene: Scene) -> Result<Scene> {
+        for (key, text) in [("tracking", &self.tracking), ("placement", &self.placement)] {
+            if let Some(text) = text {
+                scene.model.set_from_flag(key, text)?;
+            }
+        }
+        for (key, text) in [("incident", &self.incident), ("exit", &self.exit), ("sides", &self.sides)] {
+            if let Some(text) = text {
+                scene.measure.set_from_flag(key, text)?;
+            }
+        }
+        Ok(scene)
+    }
+}
+
+fn progress_bar(walks: u64) -> ProgressBar {
+    let template = "{bar:30} {percent}% {msg}, {eta} left";
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(walks).with_style(style)
+}
+
+fn show_progress(bar: &ProgressBar, progress: Progress) {
+    bar.set_position(progress.walks);
+    let rate = progress.walks as f64 / bar.elapsed().as_secs_f64();
+    bar.set_message(format!("{rate:.2e} walks/s, noise {:.1} %", 100.0 * progress.noise));
+}
+
+fn speed(measurement: &Measurement) -> String {
+    let Measurement { tally, seconds, .. } = measurement;
+    let rate = tally.counts.launched as f64 / seconds.walk;
+    let noise = fiberwalk::bsdf::noise(tally);
+    format!(
+        "{} walks, {} collisions in {:.1} s ({rate:.2e} walks/s), noise of the scattered light {}",
+        grouped(tally.counts.launched),
+        grouped(tally.counts.collisions),
+        seconds.total,
+        if noise.is_finite() { format!("{:.2} %", 100.0 * noise) } else { "unknown: nothing scattered".into() },
+    )
+}

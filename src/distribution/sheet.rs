@@ -1,0 +1,159 @@
+//! The specific length of a statistically homogeneous sheet.
+
+use super::directions::{DirectionGrid, direction_of, horizon, square_of};
+use crate::concentric::Patch;
+use crate::scene::{Orientation, Sheet};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+/// Points that stand for the directions of a spread bundle.
+const CONE_POINTS: u32 = 1 << 16;
+/// Ray directions at which the error of H is looked at.
+const RAY_POINTS: u32 = 256;
+
+/// Fibers of one kind whose directions are uniform over one patch of E⁺.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bundle {
+    /// Index of the kind of fiber in the scene.
+    pub kind: usize,
+    /// Where their directions lie.
+    pub patch: Patch,
+    /// F of the patch, ∫f dΩ, in mm/mm³.
+    pub length_density: f64,
+}
+
+/// f(p) of one cell of the medium (paper §3).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecificLength {
+    /// The grid from which the patches were taken.
+    pub grid: DirectionGrid,
+    /// The bundles; entries of equal patch and kind are merged.
+    pub bundles: Vec<Bundle>,
+    /// Largest |H(tabulated) − H(stated)| of any spread bundle over rays m, relative to its largest H.
+    pub spread_error: f64,
+}
+
+impl SpecificLength {
+    /// Tabulate a sheet.
+    pub fn of_sheet(sheet: &Sheet, grid: DirectionGrid) -> SpecificLength {
+        let mut result = SpecificLength { grid, bundles: Vec::new(), spread_error: 0.0 };
+        let mut places = HashMap::new();
+        for fibers in &sheet.fibers {
+            let parts = match fibers.orientation {
+                Orientation::Isotropic => evenly(grid.cells().collect()),
+                Orientation::Planar => evenly(horizon().collect()),
+                Orientation::Aligned { axis, spread: 0.0 } => {
+                    evenly(vec![Patch { corner: square_of(axis), extent: DVec2::ZERO }])
+                }
+                Orientation::Aligned { axis, spread } => {
+                    let cone: Vec<DVec3> = cone_points(axis, spread).collect();
+                    let parts = smear(&cone, grid);
+                    result.spread_error = result.spread_error.max(visible_area_error(&parts, &cone));
+                    parts
+                }
+            };
+            for (patch, share) in parts {
+                // Merge fibers of one kind that share a patch.
+                let place = *places.entry((fibers.fiber, patch.key())).or_insert(result.bundles.len());
+                if place == result.bundles.len() {
+                    result.bundles.push(Bundle { kind: fibers.fiber, patch, length_density: 0.0 });
+                }
+                result.bundles[place].length_density += fibers.length_density * share;
+            }
+        }
+        result
+    }
+
+    /// F = ∫f dΩ over E⁺, in mm/mm³.
+    pub fn total(&self) -> f64 {
+        self.bundles.iter().map(|bundle| bundle.length_density).sum()
+    }
+}
+
+/// Equal shares for patches of equal measure.
+fn evenly(patches: Vec<Patch>) -> Vec<(Patch, f64)> {
+    let share = 1.0 / patches.len() as f64;
+    patches.into_iter().map(|patch| (patch, share)).collect()
+}
+
+/// Points that fill the cone |p × axis| ≤ sin(spread) evenly by solid angle: a spherical Fibonacci lattice.
+fn cone_points(axis: DVec3, spread: f64) -> impl Iterator<Item = DVec3> {
+    let (side, up) = axis.any_orthonormal_pair();
+    (0..CONE_POINTS).map(move |index| {
+        let fraction = (f64::from(index) + 0.5) / f64::from(CONE_POINTS);
+        let along = 1.0 - fraction * (1.0 - spread.cos());
+        let across = (1.0 - along * along).sqrt();
+        let (sin, cos) = (TAU * (f64::from(index) / GOLDEN_RATIO).fract()).sin_cos();
+        axis * along + (side * cos + up * sin) * across
+    })
+}
+
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+
+/// The share of the cone that each cell of the grid holds.
+fn smear(cone: &[DVec3], grid: DirectionGrid) -> Vec<(Patch, f64)> {
+    let mut shares = vec![0.0; (grid.n * grid.n) as usize];
+    for &p in cone {
+        shares[grid.cell_of(p)] += 1.0 / cone.len() as f64;
+    }
+    grid.cells().zip(shares).filter(|(_, share)| *share > 0.0).collect()
+}
+
+/// Largest error of ⟨|m × p|⟩ over rays m, relative to its largest value.
+fn visible_area_error(parts: &[(Patch, f64)], cone: &[DVec3]) -> f64 {
+    let within = [0.125, 0.375, 0.625, 0.875];
+    let tabulated: Vec<(DVec3, f64)> = parts
+        .iter()
+        .flat_map(|(patch, share)| {
+            let points = within.into_iter().flat_map(move |a| within.into_iter().map(move |b| DVec2::new(a, b)));
+            points.map(move |point| (direction_of(patch.at(point)), share / 16.0))
+        })
+        .collect();
+    let stated = cone.iter().step_by(16);
+    let count = stated.len() as f64;
+    let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
+    for m in cone_points(DVec3::Z, PI / 2.0).step_by((CONE_POINTS / RAY_POINTS) as usize) {
+        let truth: f64 = stated.clone().map(|p| m.cross(*p).length()).sum::<f64>() / count;
+        let table: f64 = tabulated.iter().map(|(p, share)| m.cross(*p).length() * share).sum();
+        worst = worst.max((truth - table).abs());
+        largest = largest.max(truth);
+    }
+    worst / largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SheetFibers;
+
+    fn sheet(orientations: &[Orientation]) -> Sheet {
+        let fibers =
+            |orientation: &Orientation| SheetFibers { fiber: 0, length_density: 100.0, orientation: *orientation };
+        Sheet { thickness: 1.0, fibers: orientations.iter().map(fibers).collect() }
+    }
+
+    #[test]
+    fn the_total_is_the_stated_length_whatever_the_orientation() {
+        let spread = Orientation::Aligned { axis: DVec3::new(0.6, 0.0, 0.8), spread: 0.2 };
+        let all = [Orientation::Isotropic, Orientation::Planar, spread];
+        let f = SpecificLength::of_sheet(&sheet(&all), DirectionGrid { n: 16 });
+        assert!((f.total() - 300.0).abs() < 1e-9, "{}", f.total());
+    }
+
+    #[test]
+    fn equal_bundles_are_merged() {
+        let aligned = Orientation::Aligned { axis: DVec3::X, spread: 0.0 };
+        let f = SpecificLength::of_sheet(&sheet(&[aligned, aligned]), DirectionGrid { n: 16 });
+        assert_eq!(f.bundles.len(), 1);
+        assert_eq!(f.bundles[0].length_density, 200.0);
+    }
+
+    #[test]
+    fn a_finer_grid_smears_a_spread_bundle_less() {
+        let spread = Orientation::Aligned { axis: DVec3::new(0.6, 0.0, 0.8), spread: 0.1 };
+        let error = |n| SpecificLength::of_sheet(&sheet(&[spread]), DirectionGrid { n }).spread_error;
+        let (coarse, fine) = (error(8), error(64));
+        assert!(fine < coarse / 4.0 && fine < 0.01, "8: {coarse}, 64: {fine}");
+    }
+}

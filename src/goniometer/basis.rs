@@ -1,0 +1,166 @@
+//! Incident and exit bases.
+
+use super::tally::BinLayout;
+use crate::concentric::{Patch, disc_to_square, square_to_disc};
+use crate::scene::{Incident, Measure};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// `n` × `n` cells of the square that the concentric map gives from the projected unit disc.
+///
+/// Column ⌊n(a+1)/2⌋, row ⌊n(b+1)/2⌋, index row·n + column. Every cell has projected solid angle π/n².
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DiscBasis {
+    /// Cells along an edge of the square.
+    pub n: u32,
+}
+
+impl DiscBasis {
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        (self.n * self.n) as usize
+    }
+
+    /// Projected solid angle of one cell in sr.
+    pub fn projected_solid_angle(&self) -> f64 {
+        PI / self.cells() as f64
+    }
+
+    /// The place of the projection (x, y) on the square, in cells: the integer parts are column and row.
+    pub fn place(&self, projection: DVec2) -> DVec2 {
+        (disc_to_square(projection) + 1.0) * (f64::from(self.n) / 2.0)
+    }
+
+    /// The cell that holds a direction, by its projection (x, y).
+    pub fn cell_of(&self, projection: DVec2) -> usize {
+        let place = self.place(projection);
+        let along = |t: f64| (t as u32).min(self.n - 1);
+        (along(place.y) * self.n + along(place.x)) as usize
+    }
+
+    /// The part of the square that is one cell.
+    pub fn patch(&self, cell: usize) -> Patch {
+        let cell = cell as u32;
+        Patch::cell(self.n, cell % self.n, cell / self.n)
+    }
+
+    /// The unit vector, z ≥ 0, at a place inside a cell; a place is in [0, 1]².
+    pub fn direction(&self, cell: usize, place: DVec2) -> DVec3 {
+        let disc = square_to_disc(self.patch(cell).at(place));
+        disc.extend((1.0 - disc.length_squared()).max(0.0).sqrt())
+    }
+}
+
+/// The incident basis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Incidence {
+    /// Cells of the disc; rays are uniform in projected solid angle inside their cell.
+    Disc(DiscBasis),
+    /// Collimated directions, unit vectors to where the light comes from.
+    Listed(Vec<DVec3>),
+}
+
+/// The instrument: incident cells × exit cells, front lit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goniometer {
+    /// Where light comes from.
+    pub incidence: Incidence,
+    /// Where it is counted, by reflection and by transmission.
+    pub exit: DiscBasis,
+}
+
+impl Goniometer {
+    /// The instrument that a scene asks for.
+    pub fn new(measure: &Measure) -> Goniometer {
+        let incidence = match &measure.incident {
+            Incident::Disc(n) => Incidence::Disc(DiscBasis { n: *n }),
+            Incident::List(angles) => {
+                Incidence::Listed(angles.iter().map(|&[theta, phi]| from_angles(theta, phi)).collect())
+            }
+        };
+        Goniometer { incidence, exit: DiscBasis { n: measure.exit } }
+    }
+
+    /// Number of incident cells or listed directions.
+    pub fn incident_cells(&self) -> usize {
+        match &self.incidence {
+            Incidence::Disc(disc) => disc.cells(),
+            Incidence::Listed(directions) => directions.len(),
+        }
+    }
+
+    /// wi at a place of [0, 1]² inside an incident cell; a listed direction is the same at every place.
+    pub fn start_direction(&self, cell: usize, place: DVec2) -> DVec3 {
+        match &self.incidence {
+            Incidence::Disc(disc) => disc.direction(cell, place),
+            Incidence::Listed(directions) => directions[cell],
+        }
+    }
+
+    /// wi in the middle of an incident cell.
+    pub fn centre(&self, cell: usize) -> DVec3 {
+        self.start_direction(cell, DVec2::splat(0.5))
+    }
+
+    /// How the counts of one incident cell are laid out.
+    pub fn layout(&self) -> BinLayout {
+        BinLayout { exit_cells: self.exit.cells() }
+    }
+
+    /// The bin of a walk that left the sheet along `m`, or the lost bin when `m` is not a unit vector.
+    ///
+    /// The side is the sign of m_z; `touched` tells whether the light met a fiber.
+    pub fn exit_bin(&self, m: DVec3, touched: bool) -> usize {
+        let layout = self.layout();
+        let square = m.length_squared();
+        if !(square > 0.99 && square < 1.01) {
+            return layout.lost();
+        }
+        if !touched {
+            return layout.direct();
+        }
+        let cell = self.exit.cell_of(m.truncate());
+        if m.z > 0.0 { layout.reflection(cell) } else { layout.transmission(cell) }
+    }
+}
+
+/// The unit vector at polar angle θ and azimuth φ, in radians.
+fn from_angles(theta: f64, phi: f64) -> DVec3 {
+    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_lies_in_the_cell_it_was_made_from() {
+        let disc = DiscBasis { n: 7 };
+        for cell in 0..disc.cells() {
+            for place in [DVec2::new(0.01, 0.99), DVec2::splat(0.5), DVec2::new(0.7, 0.02)] {
+                let direction = disc.direction(cell, place);
+                assert!((direction.length() - 1.0).abs() < 1e-12);
+                assert_eq!(disc.cell_of(direction.truncate()), cell);
+            }
+        }
+    }
+
+    #[test]
+    fn cells_count_from_negative_x_and_y() {
+        let disc = DiscBasis { n: 4 };
+        assert_eq!(disc.cell_of(DVec2::new(-0.9, -0.3)), 4);
+        assert_eq!(disc.cell_of(DVec2::new(0.9, -0.3)), 7);
+        assert_eq!(disc.cell_of(DVec2::new(0.3, 0.9)), 14);
+    }
+
+    #[test]
+    fn what_is_not_a_direction_is_lost() {
+        let incidence = Incidence::Disc(DiscBasis { n: 2 });
+        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 } };
+        let lost = goniometer.layout().lost();
+        assert_eq!(goniometer.exit_bin(DVec3::ZERO, true), lost);
+        assert_eq!(goniometer.exit_bin(DVec3::splat(f64::NAN), true), lost);
+        assert_eq!(goniometer.exit_bin(DVec3::new(0.0, 0.0, 1.2), false), lost);
+        assert_eq!(goniometer.exit_bin(-DVec3::Z, false), goniometer.layout().direct());
+    }
+}

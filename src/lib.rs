@@ -1,0 +1,37 @@
+//! The BSDF of a cloth from its fibers.
+//!
+//! # Conventions
+//! - Frame: x = weft, y = warp, z = outward normal of the *front* face; right-handed. The sheet fills
+//!   0 ≥ z ≥ −thickness.
+//! - Lengths are in mm and angles in radians. In files the unit is part of the key's name.
+//! - `wi` points to where the light comes from, `wo` to where it goes; both point away from the sheet. A walk's
+//!   direction `m` is its propagation direction, so it starts as −wi.
+//! - φ is counter-clockwise from +x seen from the front, whichever side is lit; θ is from the lit side's normal.
+//! - BSDF values are in sr⁻¹ and exclude the cosine: directional albedo(wi) = ∫ f |cos θo| dΩo.
+//! - Incident and exit cells index the (x, y) projections of wi and wo in the one fixed sheet frame. Undeflected light
+//!   leaves in the cell of (−x, −y) of wi.
+//! - Symbols are the paper's: f specific length, h specific visible area, H total specific visible area, R radius,
+//!   m ray, p fiber direction, n normal, α offset, η index. F = ∫f dΩ; as an optical quantity F is the reflectance.
+//!
+//! "The paper" is Bogaevski, Kopylov, Khodulev, "An Implicit Approach to Cloth Synthesis".
+//!
+//! # Floors
+//! Data flows down once: [`scene`] → [`distribution`] → [`tables`], [`goniometer`] → an engine ([`reference`] or
+//! [`gpu`]) → [`bsdf`] → [`results`]; [`measure`] runs it. No module imports one from a later floor, and the engines do
+//! not know of each other.
+
+pub mod bsdf;
+pub mod concentric;
+pub mod distribution;
+pub mod error;
+pub mod goniometer;
+pub mod gpu;
+pub mod measure;
+pub mod optics;
+pub mod reference;
+pub mod results;
+pub mod scene;
+pub mod tables;
+pub mod walk;
+
+pub use error::{Error, Result};

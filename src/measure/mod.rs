@@ -1,0 +1,11 @@
+//! A run from scene to tally: the choice of the engine, the tables, the walks, the clock.
+//!
+//! Computes: nothing of its own; calls the floors below in their order.
+//!
+//! Differs from the paper: nothing.
+
+mod engine;
+mod run;
+
+pub use engine::{ChosenEngine, EngineChoice, choose};
+pub use run::{Measurement, Progress, Seconds, prepare, run};

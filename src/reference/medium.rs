@@ -1,0 +1,17 @@
+//! Drawing fibers from the medium (paper §4).
+
+use crate::distribution::direction_of;
+use crate::tables::SamplingTables;
+use crate::walk::EventDraws;
+use glam::{DVec2, DVec3};
+
+/// Distance along the ray to the next tentative event, in mm: exponential at the rate of the majorant (paper §4).
+pub fn free_path(tables: &SamplingTables, draws: &EventDraws) -> f64 {
+    draws.free_path / tables.majorant
+}
+
+/// The direction p of the fiber at a tentative event, drawn with weight R f.
+pub fn draw_fiber(tables: &SamplingTables, draws: &EventDraws, jitter: bool) -> DVec3 {
+    let patch = tables.patches[tables.alias.draw(draws.entry)];
+    direction_of(patch.at(if jitter { draws.jitter } else { DVec2::splat(0.5) }))
+}

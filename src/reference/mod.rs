@@ -1,0 +1,16 @@
+//! The `cpu` engine: f64, in angles and vectors, written from the paper.
+//!
+//! Computes: the walks of a plan on all processor cores. It judges the `gpu` engine and stands in for it where there is
+//! no Vulkan driver.
+//!
+//! Inputs: sampling tables (mm, 1/mm), goniometer, plan.
+//!
+//! Differs from the paper: null-collision tracking (see [`tables`](crate::tables)) and the closed form of the cylinder
+//! (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper.
+
+mod engine;
+mod medium;
+mod walk;
+
+pub use engine::Reference;
+pub use walk::{Replay, replay};

@@ -1,0 +1,14 @@
+//! The result folder: `bsdf.exr` and `summary.json`.
+//!
+//! Computes: the files, each written beside its place and moved there when it is whole.
+//!
+//! Inputs: a measurement and the scene it is of; f in sr⁻¹, angles in degrees.
+//!
+//! Differs from the paper: nothing; the paper does not say how its output is written.
+
+mod exr;
+mod folder;
+mod provenance;
+mod summary;
+
+pub use folder::ResultFolder;

@@ -1,0 +1,46 @@
+//! What the numbers were made from, as JSON with sorted keys.
+
+use crate::measure::Measurement;
+use crate::scene::{Incident, Scene};
+use serde_json::{Value, json};
+
+/// The attribute that every part of an EXR file carries.
+pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
+    let origin = &measurement.tally.origin;
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "cloth": scene.text,
+        "model": scene.model,
+        "incident": incident(scene),
+        "exit": scene.measure.exit,
+        "seed": origin.seed,
+        "walks": measurement.tally.counts.launched,
+        "engine": origin.engine,
+        "adapter": origin.adapter,
+    })
+}
+
+/// The runs of which a result is made.
+pub fn runs(measurement: &Measurement) -> Value {
+    let tally = &measurement.tally;
+    json!([{
+        "version": env!("CARGO_PKG_VERSION"),
+        "engine": tally.origin.engine,
+        "adapter": tally.origin.adapter,
+        "seed": tally.origin.seed,
+        "walks": tally.counts.launched,
+    }])
+}
+
+/// The incident basis as the cloth file writes it.
+fn incident(scene: &Scene) -> Value {
+    match &scene.measure.incident {
+        Incident::Disc(n) => json!(n),
+        Incident::List(angles) => angles.iter().map(|pair| json!(pair.map(degrees))).collect(),
+    }
+}
+
+/// Degrees without the noise of the conversion.
+pub fn degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
+}

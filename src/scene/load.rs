@@ -1,0 +1,89 @@
+//! From a file name to a checked scene.
+
+use super::measure::Measure;
+use super::model::Model;
+use super::presets::{PRESETS, preset};
+use super::reader::{Document, Table, closest};
+use super::sheet::{Fiber, Sheet, read_fibers, read_sheet};
+use crate::error::{Error, Result};
+use std::path::Path;
+use toml::de::DeTable;
+
+const NOT_WOVEN: &str = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
+
+/// A cloth file's text and where it came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file as the user named it, or `preset NAME`.
+    pub file: String,
+    /// The file's stem or the preset's name: the default name of the result folder.
+    pub stem: String,
+    /// The TOML text.
+    pub text: String,
+}
+
+impl Source {
+    /// Read a cloth file, or take a preset by its name. A file of that name goes first.
+    ///
+    /// # Errors
+    /// [`Error::File`] when a file cannot be read, [`Error::Input`] when there is neither file nor preset.
+    pub fn find(cloth: &str) -> Result<Source> {
+        let path = Path::new(cloth);
+        if !path.exists() {
+            if let Some(text) = preset(cloth) {
+                return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into() });
+            }
+            let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
+            let hint = closest(cloth, &names).map(|name| format!(", did you mean `{name}`?")).unwrap_or_default();
+            let names = names.join(", ");
+            return Err(Error::Input(format!("no cloth file or preset `{cloth}`{hint}; presets: {names}")));
+        }
+        let file = |source| Error::File { action: "read the cloth file", path: path.into(), source };
+        let text = std::fs::read_to_string(path).map_err(file)?;
+        let stem = path.file_stem().map_or_else(|| cloth.to_owned(), |stem| stem.to_string_lossy().into_owned());
+        Ok(Source { file: cloth.into(), stem, text })
+    }
+}
+
+/// A checked cloth file: lengths in mm, angles in radians, every value finite and inside its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What the user calls the cloth.
+    pub name: String,
+    /// The text it was read from.
+    pub text: String,
+    /// Kinds of fiber, in the order of their names.
+    pub fibers: Vec<Fiber>,
+    /// The sheet.
+    pub sheet: Sheet,
+    /// How it is modelled.
+    pub model: Model,
+    /// How it is measured.
+    pub measure: Measure,
+}
+
+impl Scene {
+    /// Read and check a cloth file's text.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with line and column, what was found and what is allowed.
+    pub fn parse(source: &Source) -> Result<Scene> {
+        let document = Document { file: source.file.clone(), source: &source.text };
+        let parsed = DeTable::parse(&source.text).map_err(|error| document.malformed(&error))?;
+        let root = Table::root(&document, &parsed);
+        let planned = ["yarn", "weave", "knit"].map(|key| (key, NOT_WOVEN));
+        root.expect_keys(&["name", "fiber", "sheet", "model", "measure"], &planned)?;
+        let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
+        let fibers = read_fibers(&root.require("fiber")?.table()?)?;
+        let sheet = read_sheet(&root.require("sheet")?.table()?, &fibers)?;
+        let mut model = Model::default();
+        if let Some(value) = root.get("model") {
+            model.read(&value.table()?)?;
+        }
+        let mut measure = Measure::default();
+        if let Some(value) = root.get("measure") {
+            measure.read(&value.table()?)?;
+        }
+        Ok(Scene { name, text: source.text.clone(), fibers, sheet, model, measure })
+    }
+}

@@ -1,0 +1,21 @@
+//! The cloth file: TOML text → checked [`Scene`].
+//!
+//! Computes: nothing but conversions to mm and radians. Every value that gets through is finite and inside its range.
+//!
+//! Inputs: a file, or one of the embedded presets; the unit is in the key's name.
+//!
+//! Differs from the paper: nothing; the paper does not say how its input is written.
+
+mod load;
+mod measure;
+mod model;
+mod presets;
+mod reader;
+mod sheet;
+
+pub use load::{Scene, Source};
+pub use measure::{Incident, Measure};
+pub use model::{Model, Placement, Tracking};
+pub use presets::PRESETS;
+pub use reader::closest;
+pub use sheet::{Fiber, Orientation, Sheet, SheetFibers};

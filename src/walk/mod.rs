@@ -1,0 +1,14 @@
+//! What every engine is given and gives back; the random numbers that they share.
+//!
+//! Computes: nothing of its own. Holds the plan of a run, the draw contract and the generator.
+//!
+//! Differs from the paper: random numbers are a function of (seed, walk, event), so any walk can be replayed alone and
+//! a tally does not depend on how the work was cut.
+
+mod draws;
+mod plan;
+mod rng;
+
+pub use draws::{EventDraws, start_draws};
+pub use plan::{Engine, MAX_EVENTS, WalkPlan, WalkRecord};
+pub use rng::{Purpose, draw, threefry};

@@ -1,29 +1,23 @@
-//! stub
-use crate::error::*;
-pub struct Gpu;
-pub enum Kind {
-    Hardware,
-    Software,
-}
-impl Gpu {
-    pub fn open(_: Option<&str>) -> Result<Gpu> {
-        Err(Error::Device { needed: "a".into(), found: "b".into() })
-    }
-    pub fn kind(&self) -> Kind {
-        Kind::Software
-    }
-    pub fn adapter(&self) -> String {
-        String::new()
-    }
-}
-impl crate::walk::Engine for Gpu {
-    fn run(
-        &self,
-        _: &crate::tables::SamplingTables,
-        _: &crate::goniometer::Goniometer,
-        _: &crate::walk::WalkPlan,
-        _: &mut dyn FnMut(&crate::goniometer::Tally),
-    ) -> Result<crate::goniometer::Tally> {
-        unreachable!()
-    }
-}
+//! The `gpu` engine: a WGSL compute kernel on wgpu.
+//!
+//! Computes: the same walks as the `cpu` engine, from the same random numbers, in f32 and by complex products; millions
+//! at a time, one tentative event per lane and pass, resumable, in dispatches of bounded length.
+//!
+//! Inputs: sampling tables (mm, 1/mm), goniometer, plan.
+//!
+//! Differs from the paper: see [`tables`](crate::tables) and [`optics`](crate::optics); and light that is still inside a
+//! fiber after 1024 chords is let out there.
+
+mod adapter;
+mod device;
+mod engine;
+pub mod layout;
+mod pack;
+mod probe;
+mod session;
+pub mod shader;
+mod tuning;
+
+pub use adapter::{AdapterSummary, Kind, list};
+pub use engine::{Gpu, Report, Settings};
+pub use probe::{Probe, ProbeInput, ProbeOutput};

@@ -1,0 +1,102 @@
+// Structures and bindings that the host shares.
+// uses: nothing
+
+/// Parameters of a run of dispatches.
+struct Params {
+    /// Seed of the random numbers, low word first.
+    seed: vec2u,
+    /// Walk id of walk 0 of cell 0 of this batch, low word first.
+    base: vec2u,
+    /// Distance of the ids of consecutive walks of one cell.
+    id_stride: u32,
+    /// Incident cells of this batch.
+    cells: u32,
+    /// Walks of each cell.
+    walks: u32,
+    /// Blocks of walks in all.
+    blocks: u32,
+    /// Low bits of a draw that are the alias threshold.
+    threshold_bits: u32,
+    /// A walk is lost after this many tentative events.
+    max_events: u32,
+    /// Cells along an edge of the exit basis, and in all.
+    exit_n: u32,
+    exit_cells: u32,
+    /// 1 / majorant, in mm.
+    mean_free_path: f32,
+    /// In mm.
+    thickness: f32,
+    /// Refractive index, its reciprocal, and its square less 1.
+    ior: f32,
+    ior_reciprocal: f32,
+    ior_square_less_1: f32,
+    /// Length of which the extents of direction patches are whole multiples.
+    patch_unit: f32,
+    /// Edge of an incident cell on the square.
+    incident_edge: f32,
+    /// 1 / cells.
+    cells_reciprocal: f32,
+}
+
+/// A lane: one walk under way, one that waits to be counted, one that waits to start.
+struct Lane {
+    /// m, and depth z in mm.
+    ray: vec4f,
+    id: vec2u,
+    cell: u32,
+    event: u32,
+    hits: u32,
+    state: u32,
+    /// 1 when there are no more blocks.
+    drained: u32,
+    next_ready: u32,
+    /// m of the next walk.
+    next: vec4f,
+    next_id: vec2u,
+    next_cell: u32,
+    pending_full: u32,
+    /// m of a walk that has left.
+    pending: vec4f,
+    pending_cell: u32,
+    pending_hits: u32,
+    pending_events: u32,
+    pending_slot: u32,
+    /// The lane's block of walks: cell, next walk, end.
+    block_cell: u32,
+    block_walk: u32,
+    block_end: u32,
+    spare: u32,
+}
+
+/// Sums over all lanes; pairs are low and high words.
+struct Counters {
+    next_block: atomic<u32>,
+    launched: atomic<u32>,
+    finished: atomic<u32>,
+    resumed: atomic<u32>,
+    tentative_low: atomic<u32>,
+    tentative_high: atomic<u32>,
+    collisions_low: atomic<u32>,
+    collisions_high: atomic<u32>,
+}
+
+/// How one walk went.
+struct Trace {
+    bin: u32,
+    events: u32,
+    hits: u32,
+    /// Times that this walk was counted.
+    counted: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<uniform> table_uniform: array<vec4u, UNIFORM_ENTRIES>;
+@group(0) @binding(2) var table_texture: texture_2d<u32>;
+@group(0) @binding(3) var<uniform> incident: array<vec4u, UNIFORM_ENTRIES>;
+@group(0) @binding(4) var<storage, read_write> lanes: array<Lane>;
+@group(0) @binding(5) var<storage, read_write> bins: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> counters: Counters;
+@group(0) @binding(7) var<storage, read_write> traces: array<Trace>;
+
+/// The parameters once more: reading a uniform inside a loop is a gather on some devices.
+var<private> P: Params;

@@ -1,0 +1,44 @@
+// Flights and fibers (paper section 4), by null collisions.
+// uses: layout, rng, concentric
+
+/// The direction table is a texture, not a uniform buffer.
+override TABLE_IN_TEXTURE: bool = false;
+/// Directions are drawn inside the patch of a table entry; without it an entry is one direction.
+override JITTER: bool = true;
+
+/// Distance along the ray to the next tentative event, in mm.
+fn free_path(word: u32) -> f32 {
+    return -log((f32(word) + 0.5) * 0x1p-32) * P.mean_free_path;
+}
+
+/// One entry of the direction table. Word w is its alias and threshold.
+/// With jitter x, y are the patch's corner (f32) and z its extents in units; without, x, y, z are p (f32).
+fn table_entry(index: u32) -> vec4u {
+    if TABLE_IN_TEXTURE {
+        return textureLoad(table_texture, vec2u(index & TEXTURE_MASK, index >> TEXTURE_BITS), 0);
+    }
+    return table_uniform[index];
+}
+
+/// The entry that a word draws from the alias table.
+fn table_index(word: u32) -> u32 {
+    let mask = (1u << P.threshold_bits) - 1u;
+    let slot = word >> P.threshold_bits;
+    let packed = table_entry(slot).w;
+    return select(packed >> P.threshold_bits, slot, (word & mask) < (packed & mask));
+}
+
+/// The direction p of the fiber at a tentative event, drawn with weight R f.
+fn draw_fiber(words: vec4u) -> vec3f {
+    let entry = table_entry(table_index(words.y));
+    if !JITTER {
+        return bitcast<vec3f>(entry.xyz);
+    }
+    // Place the direction inside the patch.
+    let extent = vec2f(f32(i32(entry.z & 0xffffu)), f32(i32(entry.z >> 16u))) * P.patch_unit;
+    let square = bitcast<vec2f>(entry.xy) + extent * vec2f(uniform_fine(words.z), uniform_fine(words.w));
+    // Lift it to the hemisphere: disc radius² = 1 − z.
+    let azimuth = concentric_azimuth(square);
+    let radius = azimuth.z;
+    return vec3f(azimuth.xy * (radius * sqrt(2.0 - radius * radius)), (1.0 - radius) * (1.0 + radius));
+}

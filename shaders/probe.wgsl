@@ -1,0 +1,62 @@
+// One entry point for each function, for tests: numbered input words, one output record.
+// uses: layout, rng, concentric, medium, cylinder, goniometer
+
+/// Inputs of one call.
+struct ProbeInput {
+    a: vec4u,
+    b: vec4u,
+    c: vec4u,
+}
+
+@group(1) @binding(0) var<storage, read> probe_inputs: array<ProbeInput>;
+@group(1) @binding(1) var<storage, read_write> probe_outputs: array<vec4u>;
+
+/// a = counter, b.xy = seed.
+@compute @workgroup_size(64)
+fn probe_threefry(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let input = probe_inputs[call.x];
+    probe_outputs[call.x] = threefry(input.b.xy, input.a);
+}
+
+/// a.x = word.
+@compute @workgroup_size(64)
+fn probe_free_path(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    probe_outputs[call.x] = vec4u(bitcast<u32>(free_path(probe_inputs[call.x].a.x)), 0u, 0u, 0u);
+}
+
+/// a = words of an event.
+@compute @workgroup_size(64)
+fn probe_draw_fiber(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let words = probe_inputs[call.x].a;
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words)), table_index(words.y));
+}
+
+/// a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32).
+@compute @workgroup_size(64)
+fn probe_scatter(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let a = bitcast<vec4f>(probe_inputs[call.x].a);
+    let b = bitcast<vec4f>(probe_inputs[call.x].b);
+    let across = cross(a.xyz, b.xyz);
+    let out = scatter(a.xyz, b.xyz, across, length(across), a.w, b.w);
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(out), 0u);
+}
+
+/// a = words, b.x = cell.
+@compute @workgroup_size(64)
+fn probe_start_direction(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let input = probe_inputs[call.x];
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(start_direction(input.b.x, input.a)), 0u);
+}
+
+/// a.xyz = m (f32), b.x = hits.
+@compute @workgroup_size(64)
+fn probe_exit_bin(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let input = probe_inputs[call.x];
+    probe_outputs[call.x] = vec4u(exit_bin(bitcast<vec3f>(input.a.xyz), input.b.x), 0u, 0u, 0u);
+}

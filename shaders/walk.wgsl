@@ -1,0 +1,158 @@
+// The kernel: one flat loop, one tentative event of one walk per lane and pass.
+// uses: layout, rng, medium, cylinder, goniometer
+
+override WORKGROUP: u32 = 64;
+/// Passes of a dispatch.
+override BUDGET: u32 = 4096;
+/// Passes between two flushes.
+override FLUSH_EVERY: u32 = 6;
+/// Record how every walk went.
+override TRACE: bool = false;
+
+const IDLE: u32 = 0u;
+const WALKING: u32 = 1u;
+const LEFT: u32 = 2u;
+
+/// Sums of one lane over one dispatch.
+struct Sums {
+    launched: u32,
+    finished: u32,
+    tentative: u32,
+    collisions: u32,
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn walk(@builtin(global_invocation_id) invocation: vec3u) {
+    P = params;
+    var lane = lanes[invocation.x];
+    var sums = Sums();
+    let resumed = select(0u, 1u, lane.state == WALKING && lane.event > 0u);
+    for (var pass_count = 0u; pass_count < BUDGET; pass_count += FLUSH_EVERY) {
+        flush(&lane, &sums);
+        if lane.drained == 1u && lane.state == IDLE && lane.next_ready == 0u {
+            break;
+        }
+        for (var k = 0u; k < FLUSH_EVERY; k++) {
+            step(&lane);
+        }
+    }
+    lanes[invocation.x] = lane;
+    add_sums(sums, resumed);
+}
+
+/// Make one tentative event, and let a walk that has left make room for the next.
+fn step(lane: ptr<function, Lane>) {
+    let walking = (*lane).state == WALKING;
+    let words = threefry(P.seed, vec4u((*lane).id, (*lane).event, PURPOSE_EVENT));
+    // Fly to the next tentative event.
+    let m = (*lane).ray.xyz;
+    let z = (*lane).ray.w + m.z * free_path(words.x);
+    let inside = z <= 0.0 && z >= -P.thickness;
+    // Draw the fiber there and see whether the ray hits it.
+    let p = draw_fiber(words);
+    let across = cross(m, p);
+    let visible = max(length(across), 1e-12);
+    let accept = uniform_open(words.z);
+    let hit = inside && accept < visible;
+    let offset = 2.0 * uniform_open(words.w) - 1.0;
+    let scattered = scatter(m, p, across, visible, offset, accept / visible);
+    // Give up a walk of too many events: no direction at all is counted as lost.
+    let event = (*lane).event + select(0u, 1u, walking);
+    let lost = inside && event >= P.max_events;
+    let turned = select(select(m, scattered, hit), vec3f(0.0), lost);
+    (*lane).ray = select((*lane).ray, vec4f(turned, z), walking);
+    (*lane).event = event;
+    (*lane).hits += select(0u, 1u, walking && hit);
+    (*lane).state = select((*lane).state, LEFT, walking && (!inside || lost));
+    change_walk(lane);
+}
+
+/// Park a walk that has left, if the place is free, and start the one that waits.
+fn change_walk(lane: ptr<function, Lane>) {
+    let leaving = (*lane).state == LEFT && (*lane).pending_full == 0u;
+    (*lane).pending = select((*lane).pending, (*lane).ray, leaving);
+    (*lane).pending_cell = select((*lane).pending_cell, (*lane).cell, leaving);
+    (*lane).pending_hits = select((*lane).pending_hits, (*lane).hits, leaving);
+    (*lane).pending_events = select((*lane).pending_events, (*lane).event, leaving);
+    (*lane).pending_full = select((*lane).pending_full, 1u, leaving);
+    if TRACE {
+        (*lane).pending_slot = select((*lane).pending_slot, (*lane).id.x - P.base.x, leaving);
+    }
+    let free = leaving || (*lane).state == IDLE;
+    let starting = free && (*lane).next_ready == 1u;
+    (*lane).state = select(select((*lane).state, IDLE, free), WALKING, starting);
+    (*lane).ray = select((*lane).ray, vec4f((*lane).next.xyz, 0.0), starting);
+    (*lane).id = select((*lane).id, (*lane).next_id, starting);
+    (*lane).cell = select((*lane).cell, (*lane).next_cell, starting);
+    (*lane).event = select((*lane).event, 0u, starting);
+    (*lane).hits = select((*lane).hits, 0u, starting);
+    (*lane).next_ready = select((*lane).next_ready, 0u, starting);
+}
+
+/// Count the walk that waits to be counted, and ready the next one.
+fn flush(lane: ptr<function, Lane>, sums: ptr<function, Sums>) {
+    if (*lane).pending_full == 1u {
+        let bin = exit_bin((*lane).pending.xyz, (*lane).pending_hits);
+        atomicAdd(&bins[(*lane).pending_cell * (2u * P.exit_cells + 2u) + bin], 1u);
+        if TRACE {
+            let slot = (*lane).pending_slot;
+            traces[slot] = Trace(bin, (*lane).pending_events, (*lane).pending_hits, traces[slot].counted + 1u);
+        }
+        (*sums).finished += 1u;
+        (*sums).tentative += (*lane).pending_events;
+        (*sums).collisions += (*lane).pending_hits;
+        (*lane).pending_full = 0u;
+    }
+    if (*lane).next_ready == 0u && (*lane).drained == 0u {
+        if (*lane).block_walk == (*lane).block_end {
+            fetch_block(lane);
+        }
+        if (*lane).drained == 0u {
+            ready_next(lane);
+            (*sums).launched += 1u;
+        }
+    }
+}
+
+/// Take the next block of walks; a block belongs to one cell.
+fn fetch_block(lane: ptr<function, Lane>) {
+    let block = atomicAdd(&counters.next_block, 1u);
+    if block >= P.blocks {
+        (*lane).drained = 1u;
+        return;
+    }
+    // Divide by the number of cells in f32: exact after one correction, as blocks stay below 2²⁴.
+    var row = u32(f32(block) * P.cells_reciprocal);
+    row = select(row, row - 1u, row * P.cells > block);
+    row = select(row, row + 1u, (row + 1u) * P.cells <= block);
+    (*lane).block_cell = block - row * P.cells;
+    (*lane).block_walk = row * BLOCK;
+    (*lane).block_end = min(row * BLOCK + BLOCK, P.walks);
+}
+
+/// Draw the start of the block's next walk, id = base + i·stride + cell.
+fn ready_next(lane: ptr<function, Lane>) {
+    let cell = (*lane).block_cell;
+    let low = P.base.x + (*lane).block_walk * P.id_stride + cell;
+    let id = vec2u(low, P.base.y + select(0u, 1u, low < P.base.x));
+    (*lane).next = vec4f(start_direction(cell, threefry(P.seed, vec4u(id, 0u, PURPOSE_START))), 0.0);
+    (*lane).next_id = id;
+    (*lane).next_cell = cell;
+    (*lane).next_ready = 1u;
+    (*lane).block_walk += 1u;
+}
+
+fn add_sums(sums: Sums, resumed: u32) {
+    atomicAdd(&counters.launched, sums.launched);
+    atomicAdd(&counters.finished, sums.finished);
+    atomicAdd(&counters.resumed, resumed);
+    // Carry into the high words.
+    let tentative = atomicAdd(&counters.tentative_low, sums.tentative);
+    if tentative + sums.tentative < tentative {
+        atomicAdd(&counters.tentative_high, 1u);
+    }
+    let collisions = atomicAdd(&counters.collisions_low, sums.collisions);
+    if collisions + sums.collisions < collisions {
+        atomicAdd(&counters.collisions_high, 1u);
+    }
+}

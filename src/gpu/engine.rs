@@ -1,0 +1,382 @@
+//! All walks of a plan on a device: batches of incident cells, segments of walks, dispatches.
+
+use super::adapter::Kind;
+use super::device::OpenDevice;
+use super::layout::{BLOCK, Counters, Params, UNIFORM_ENTRIES};
+use super::pack::{direction_table, incident_table};
+use super::session::{Packed, Session, Shape};
+use super::tuning::{Tuning, flush_every};
+use crate::error::{Error, Result};
+use crate::goniometer::{Counts, Goniometer, Incidence, Origin, Tally};
+use crate::tables::SamplingTables;
+use crate::walk::{Engine, WalkPlan, WalkRecord};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Time between two looks at the bins.
+const DRAIN: Duration = Duration::from_millis(500);
+/// Blocks of one segment: their numbers are exact in f32.
+const MAX_BLOCKS: u64 = 1 << 24;
+/// Walks of one segment: a bin cannot pass once around 2³² unseen.
+const MAX_SEGMENT: u64 = 1 << 31;
+
+/// How the work is cut. The tally does not depend on it; what is not set is chosen for the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// Invocations of a workgroup, 1 to 256; 64 if not set.
+    pub workgroup: Option<u32>,
+    /// Lanes, a multiple of the workgroup.
+    pub lanes: Option<u32>,
+    /// Passes of a dispatch; kept below lavapipe's 65,535 loop iterations.
+    pub budget: Option<u32>,
+    /// Passes between two flushes.
+    pub flush_every: Option<u32>,
+    /// Keep the direction table in a texture, whatever its size.
+    pub table_in_texture: Option<bool>,
+    /// Most walks of each cell in one segment.
+    pub walks_per_segment: Option<u64>,
+    /// Most incident cells in one batch.
+    pub cells_per_batch: Option<usize>,
+    /// Number at which every bin of the device starts.
+    pub bins_preset: u32,
+}
+
+/// How a run went on the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Dispatches.
+    pub dispatches: u64,
+    /// Walks that went on in a later dispatch than they started in, once for each such dispatch.
+    pub resumed: u64,
+    /// Lanes of the last batch.
+    pub lanes: u32,
+    /// Passes of a dispatch.
+    pub budget: u32,
+    /// Passes between two flushes.
+    pub flush_every: u32,
+}
+
+/// The WGSL engine on one device.
+pub struct Gpu {
+    pub(super) device: OpenDevice,
+    settings: Settings,
+    pipelines: Mutex<HashMap<Shape, wgpu::ComputePipeline>>,
+}
+
+impl Gpu {
+    /// Open the best adapter; `name` is part of an adapter's name, in any case.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when there is none, or it gives no device with default limits.
+    pub fn open(name: Option<&str>) -> Result<Gpu> {
+        Ok(Gpu { device: OpenDevice::open(name)?, settings: Settings::default(), pipelines: Mutex::default() })
+    }
+
+    /// What the adapter is.
+    pub fn kind(&self) -> Kind {
+        self.device.summary.kind
+    }
+
+    /// The adapter in one line.
+    pub fn adapter(&self) -> String {
+        self.device.summary.description.clone()
+    }
+
+    /// The same device with other settings.
+    pub fn with_settings(mut self, settings: Settings) -> Gpu {
+        self.settings = settings;
+        self
+    }
+
+    /// Make the walks of a plan, with settings of its own, and report how it went.
+    ///
+    /// # Errors
+    /// Those of [`Engine::run`].
+    pub fn run_with(
+        &self,
+        settings: Settings,
+        tables: &SamplingTables,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+        progress: &mut dyn FnMut(&Tally),
+    ) -> Result<(Tally, Report)> {
+        let (tally, report, _) = Run::new(self, settings, tables, goniometer, plan, false).make(progress)?;
+        Ok((tally, report))
+    }
+
+    /// Make the walks of a plan and record each: walk i of cell c at i·C + c.
+    ///
+    /// # Errors
+    /// Those of [`Engine::run`]; the records must fit into one buffer.
+    pub fn trace(
+        &self,
+        settings: Settings,
+        tables: &SamplingTables,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+    ) -> Result<(Tally, Vec<WalkRecord>)> {
+        let (tally, _, records) = Run::new(self, settings, tables, goniometer, plan, true).make(&mut |_| {})?;
+        Ok((tally, records))
+    }
+
+    /// The compiled kernel of a shape; lanes do not matter to it.
+    fn pipeline(&self, shape: Shape) -> Result<wgpu::ComputePipeline> {
+        let key = Shape { lanes: 0, ..shape };
+        let mut known = self.pipelines.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(pipeline) = known.get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = Session::compile(&self.device, &shape)?;
+        known.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+impl Engine for Gpu {
+    fn run(
+        &self,
+        tables: &SamplingTables,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+        progress: &mut dyn FnMut(&Tally),
+    ) -> Result<Tally> {
+        self.run_with(self.settings, tables, goniometer, plan, progress).map(|(tally, _)| tally)
+    }
+}
+
+/// One run under way.
+struct Run<'a> {
+    gpu: &'a Gpu,
+    settings: Settings,
+    tables: &'a SamplingTables,
+    goniometer: &'a Goniometer,
+    plan: &'a WalkPlan,
+    shape: Shape,
+    report: Report,
+    tally: Tally,
+    records: Vec<WalkRecord>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        settings: Settings,
+        tables: &'a SamplingTables,
+        goniometer: &'a Goniometer,
+        plan: &'a WalkPlan,
+        trace: bool,
+    ) -> Run<'a> {
+        let large = tables.patches.len() > UNIFORM_ENTRIES as usize;
+        let hardware = gpu.kind() == Kind::Hardware;
+        let tuning = Tuning::start(gpu.kind());
+        let shape = Shape {
+            workgroup: settings.workgroup.unwrap_or(64),
+            lanes: settings.lanes.unwrap_or(tuning.lanes),
+            budget: settings.budget.unwrap_or(tuning.budget),
+            flush_every: settings.flush_every.unwrap_or(flush_every(tables.depth())),
+            // Divergent reads of a uniform buffer are slow on hardware; a texture is slower than that in software.
+            table_in_texture: large || settings.table_in_texture.unwrap_or(hardware),
+            jitter: plan.jitter,
+            listed: matches!(goniometer.incidence, Incidence::Listed(_)),
+            trace,
+        };
+        let origin = Origin { engine: "gpu", adapter: gpu.adapter(), seed: plan.seed };
+        let tally = Tally::new(origin, goniometer.layout(), goniometer.incident_cells());
+        let records = if trace {
+            let walks = plan.walks_per_incident as usize * goniometer.incident_cells();
+            vec![WalkRecord { bin: u32::MAX, events: 0, hits: 0 }; walks]
+        } else {
+            Vec::new()
+        };
+        Run { gpu, settings, tables, goniometer, plan, shape, report: Report::default(), tally, records }
+    }
+
+    fn make(mut self, progress: &mut dyn FnMut(&Tally)) -> Result<(Tally, Report, Vec<WalkRecord>)> {
+        let directions = direction_table(self.tables, self.plan.jitter);
+        let incident = incident_table(self.goniometer);
+        let batch = self.cells_per_batch();
+        for first in (0..incident.len()).step_by(batch) {
+            let cells = first..(first + batch).min(incident.len());
+            let packed = Packed { directions: &directions, incident: &incident[cells.clone()] };
+            if first == 0 {
+                self.tune(&packed)?;
+            }
+            self.run_batch(cells, &packed, progress)?;
+        }
+        let Shape { lanes, budget, flush_every, .. } = self.shape;
+        self.report = Report { lanes, budget, flush_every, ..self.report };
+        self.tally.walks_per_incident = self.plan.walks_per_incident;
+        self.tally.check(self.plan.walks_per_incident)?;
+        Ok((self.tally, self.report, self.records))
+    }
+
+    /// Incident cells whose bins and start directions fit the device.
+    fn cells_per_batch(&self) -> usize {
+        let binding = self.gpu.device.device.limits().max_storage_buffer_binding_size;
+        let fit = binding as usize / (self.tally.layout.stride() * size_of::<u32>());
+        let wanted = self.settings.cells_per_batch.unwrap_or(usize::MAX);
+        fit.min(UNIFORM_ENTRIES as usize).min(wanted).max(1)
+    }
+
+    /// Walks of each cell in one segment.
+    fn segment(&self, cells: usize) -> u64 {
+        let cells = cells as u64;
+        let stride = self.goniometer.incident_cells() as u64;
+        let most = (MAX_BLOCKS / cells * u64::from(BLOCK)).min(MAX_SEGMENT / cells).min((1 << 32) / stride - 1);
+        most.min(self.settings.walks_per_segment.unwrap_or(most)).min(self.plan.walks_per_incident).max(1)
+    }
+
+    /// Let a timed warm-up choose lanes and budget, unless they are set or the run is short.
+    fn tune(&mut self, packed: &Packed) -> Result<()> {
+        let cells = packed.incident.len();
+        let walks = self.plan.walks_per_incident * self.goniometer.incident_cells() as u64;
+        let tuning = Tuning::start(self.gpu.kind());
+        let fixed = self.settings.lanes.is_some() || self.settings.budget.is_some();
+        if !fixed && tuning.pays(walks, self.tables.depth()) {
+            let shape = Shape { lanes: tuning.warm_up_lanes, trace: false, ..self.shape };
+            let session = self.session(shape, packed)?;
+            let walks = self.plan.first..self.plan.first + self.segment(cells);
+            session.restart(&params(self.tables, self.goniometer, self.plan, 0..cells, walks));
+            // The first dispatch compiles, the second is timed.
+            session.dispatch()?;
+            let started = Instant::now();
+            session.dispatch()?;
+            let passes = f64::from(shape.lanes) * f64::from(shape.budget);
+            let chosen = tuning.choose(started.elapsed().as_secs_f64() / passes);
+            self.shape = Shape { lanes: chosen.lanes, budget: chosen.budget, ..self.shape };
+        }
+        if self.settings.lanes.is_none() {
+            // No more lanes than blocks.
+            let blocks = walks.div_ceil(u64::from(BLOCK)).next_power_of_two();
+            let group = self.shape.workgroup;
+            self.shape.lanes = self.shape.lanes.min(blocks.min(1 << 30) as u32).next_multiple_of(group);
+        }
+        Ok(())
+    }
+
+    fn session(&self, shape: Shape, packed: &Packed) -> Result<Session<'a>> {
+        let cells = packed.incident.len();
+        let bins = cells * self.tally.layout.stride();
+        let traces = if shape.trace { self.segment(cells) as usize * self.goniometer.incident_cells() } else { 0 };
+        let pipeline = self.gpu.pipeline(shape)?;
+        Session::new(&self.gpu.device, pipeline, shape, packed, bins, traces, self.settings.bins_preset)
+    }
+
+    fn run_batch(&mut self, cells: Range<usize>, packed: &Packed, progress: &mut dyn FnMut(&Tally)) -> Result<()> {
+        let mut session = self.session(self.shape, packed)?;
+        let segment = self.segment(cells.len());
+        let stride = self.tally.layout.stride();
+        let bins = cells.start * stride..cells.end * stride;
+        let end = self.plan.first + self.plan.walks_per_incident;
+        let mut start = self.plan.first;
+        while start < end {
+            let walks = segment.min(end - start);
+            session.restart(&params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks));
+            self.run_segment(&mut session, bins.clone(), walks * cells.len() as u64, progress)?;
+            if self.shape.trace {
+                self.keep_traces(&session, cells.start, start, walks)?;
+            }
+            start += walks;
+        }
+        Ok(())
+    }
+
+    /// Dispatch until all walks of the segment have come to an end.
+    fn run_segment(
+        &mut self,
+        session: &mut Session,
+        bins: Range<usize>,
+        walks: u64,
+        progress: &mut dyn FnMut(&Tally),
+    ) -> Result<()> {
+        let before = self.tally.counts;
+        let mut last = Counters::default();
+        let mut drained = Instant::now();
+        // A walk may take this many dispatches before it is given up.
+        let patience = u64::from(self.plan.max_events.div_ceil(self.shape.budget)) + 16;
+        let mut idle = 0;
+        while u64::from(last.finished) < walks {
+            let now = session.dispatch()?;
+            self.report.dispatches += 1;
+            idle = if now.finished == last.finished { idle + 1 } else { 0 };
+            if idle > patience {
+                let message = format!("{} of {walks} walks came to an end and then no more", now.finished);
+                return Err(Error::Account { engine: "gpu", message });
+            }
+            last = now;
+            self.tally.counts = before;
+            self.tally.counts += counts(&now);
+            if drained.elapsed() > DRAIN || u64::from(now.finished) >= walks {
+                session.drain(&mut self.tally.bins[bins.clone()])?;
+                drained = Instant::now();
+                progress(&self.tally);
+            }
+        }
+        self.report.resumed += u64::from(last.resumed);
+        Ok(())
+    }
+
+    fn keep_traces(&mut self, session: &Session, cell: usize, start: u64, walks: u64) -> Result<()> {
+        let stride = self.goniometer.incident_cells();
+        let offset = (start - self.plan.first) as usize * stride + cell;
+        for (slot, trace) in session.traces(walks as usize * stride)?.iter().enumerate() {
+            if trace.counted > 1 {
+                let message = format!("walk {} was counted {} times", offset + slot, trace.counted);
+                return Err(Error::Account { engine: "gpu", message });
+            }
+            if trace.counted == 1 {
+                self.records[offset + slot] = WalkRecord { bin: trace.bin, events: trace.events, hits: trace.hits };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Parameters of walks `walks` of the incident cells `cells`.
+pub(super) fn params(
+    tables: &SamplingTables,
+    goniometer: &Goniometer,
+    plan: &WalkPlan,
+    cells: Range<usize>,
+    walks: Range<u64>,
+) -> Params {
+    let halves = |value: u64| [value as u32, (value >> 32) as u32];
+    let stride = goniometer.incident_cells();
+    let incident_edge = match &goniometer.incidence {
+        Incidence::Disc(disc) => 2.0 / f64::from(disc.n),
+        Incidence::Listed(_) => 0.0,
+    };
+    let walk_count = (walks.end - walks.start) as u32;
+    Params {
+        seed: halves(plan.seed),
+        base: halves(WalkPlan::walk_id(stride, walks.start, cells.start)),
+        id_stride: stride as u32,
+        cells: cells.len() as u32,
+        walks: walk_count,
+        blocks: cells.len() as u32 * walk_count.div_ceil(BLOCK),
+        threshold_bits: 32 - tables.alias.index_bits(),
+        max_events: plan.max_events,
+        exit_n: goniometer.exit.n,
+        exit_cells: goniometer.exit.cells() as u32,
+        mean_free_path: (1.0 / tables.majorant) as f32,
+        thickness: tables.thickness as f32,
+        ior: tables.ior as f32,
+        ior_reciprocal: (1.0 / tables.ior) as f32,
+        ior_square_less_1: (tables.ior * tables.ior - 1.0) as f32,
+        patch_unit: tables.patch_unit as f32,
+        incident_edge: incident_edge as f32,
+        cells_reciprocal: (1.0 / cells.len() as f64) as f32,
+    }
+}
+
+fn counts(counters: &Counters) -> Counts {
+    let join = |high: u32, low: u32| u64::from(high) << 32 | u64::from(low);
+    Counts {
+        launched: u64::from(counters.launched),
+        finished: u64::from(counters.finished),
+        tentative_events: join(counters.tentative_high, counters.tentative_low),
+        collisions: join(counters.collisions_high, counters.collisions_low),
+    }
+}

@@ -1,0 +1,102 @@
+//! Calls of single functions of the kernel, for tests and self-tests.
+
+use super::device::OpenDevice;
+use super::engine::Gpu;
+pub use super::layout::ProbeInput;
+use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES};
+use super::pack::{direction_table, incident_table, texture};
+use super::session::bind;
+use super::shader::Shader;
+use crate::error::Result;
+use crate::goniometer::{Goniometer, Incidence};
+use crate::tables::SamplingTables;
+use crate::walk::WalkPlan;
+use wgpu::{BindingResource, BufferUsages};
+
+/// The words that one call gives.
+pub type ProbeOutput = [u32; 4];
+
+/// The functions of the kernel for one medium and one instrument.
+pub struct Probe<'a> {
+    gpu: &'a Gpu,
+    tables: &'a SamplingTables,
+    goniometer: &'a Goniometer,
+    /// Read the direction table from a texture.
+    pub table_in_texture: bool,
+}
+
+impl<'a> Probe<'a> {
+    /// Set up for a medium and an instrument.
+    pub fn new(gpu: &'a Gpu, tables: &'a SamplingTables, goniometer: &'a Goniometer) -> Probe<'a> {
+        Probe { gpu, tables, goniometer, table_in_texture: false }
+    }
+
+    /// Call the entry point `probe_…` once for each input.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the device fails.
+    pub fn call(&self, entry: &str, inputs: &[ProbeInput]) -> Result<Vec<ProbeOutput>> {
+        let device = &self.gpu.device;
+        let calls = inputs.len().next_multiple_of(64);
+        let mut padded = inputs.to_vec();
+        padded.resize(calls, ProbeInput::default());
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let input = device.buffer("probe_inputs", (calls * size_of::<ProbeInput>()) as u64, storage)?;
+        let output = device.buffer("probe_outputs", (calls * 16) as u64, storage)?;
+        let readable = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let staging = device.buffer("staging", (calls * 16) as u64, readable)?;
+        device.queue.write_buffer(&input, 0, bytemuck::cast_slice(&padded));
+        // Poison the output: a call that did not happen shows.
+        device.queue.write_buffer(&output, 0, &vec![0xa5; calls * 16]);
+        let listed = matches!(self.goniometer.incidence, Incidence::Listed(_));
+        let flag = |on: bool| f64::from(u8::from(on));
+        let overrides = [("TABLE_IN_TEXTURE", flag(self.table_in_texture)), ("LISTED", flag(listed))];
+        let pipeline = device.pipeline(&Shader::probe(), entry, &[0, 1], &overrides)?;
+        let medium = self.bind_medium(device)?;
+        let io = bind(device, 1, [input.as_entire_binding(), output.as_entire_binding()]);
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &medium, &[]);
+            pass.set_bind_group(1, &io, &[]);
+            pass.dispatch_workgroups((calls / 64) as u32, 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&output, 0, &staging, 0, (calls * 16) as u64);
+        let words = device.submit_and_read(encoder, &staging, calls * 4)?;
+        Ok(words.chunks_exact(4).take(inputs.len()).map(|word| [word[0], word[1], word[2], word[3]]).collect())
+    }
+
+    fn bind_medium(&self, device: &OpenDevice) -> Result<wgpu::BindGroup> {
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let storage = BufferUsages::STORAGE;
+        let params = device.buffer("params", size_of::<Params>() as u64, uniform)?;
+        let table = device.buffer("table_uniform", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
+        let incident = device.buffer("incident", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
+        let unused = [size_of::<Lane>(), 4, size_of::<Counters>(), size_of::<Trace>()];
+        let unused = unused.map(|bytes| device.buffer("unused", bytes as u64, storage));
+        let [lanes, bins, counters, traces] = unused;
+        let (lanes, bins, counters, traces) = (lanes?, bins?, counters?, traces?);
+        let directions = direction_table(self.tables, true);
+        let view = texture(&device.device, &device.queue, &directions);
+        let plan = WalkPlan::new(0, 1);
+        let values = super::engine::params(self.tables, self.goniometer, &plan, 0..1, 0..1);
+        device.queue.write_buffer(&params, 0, bytemuck::bytes_of(&values));
+        if !self.table_in_texture {
+            device.queue.write_buffer(&table, 0, bytemuck::cast_slice(&directions));
+        }
+        let starts = incident_table(self.goniometer);
+        device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(&starts));
+        let resources = [
+            params.as_entire_binding(),
+            table.as_entire_binding(),
+            BindingResource::TextureView(&view),
+            incident.as_entire_binding(),
+            lanes.as_entire_binding(),
+            bins.as_entire_binding(),
+            counters.as_entire_binding(),
+            traces.as_entire_binding(),
+        ];
+        Ok(bind(device, 0, resources))
+    }
+}

@@ -1,0 +1,186 @@
+//! The buffers and the pipeline of one batch of incident cells, and its dispatches.
+
+use super::device::OpenDevice;
+use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
+use super::pack::texture;
+use super::shader::Shader;
+use crate::error::Result;
+use std::mem::size_of;
+use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
+
+/// What the kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Shape {
+    pub workgroup: u32,
+    pub lanes: u32,
+    pub budget: u32,
+    pub flush_every: u32,
+    pub table_in_texture: bool,
+    pub jitter: bool,
+    pub listed: bool,
+    pub trace: bool,
+}
+
+/// The tables of a run, packed.
+pub struct Packed<'a> {
+    pub directions: &'a [[u32; 4]],
+    pub incident: &'a [[f32; 4]],
+}
+
+/// A pipeline with its buffers.
+pub struct Session<'a> {
+    device: &'a OpenDevice,
+    pub shape: Shape,
+    pipeline: ComputePipeline,
+    group: BindGroup,
+    params: Buffer,
+    lanes: Buffer,
+    bins: Buffer,
+    counters: Buffer,
+    traces: Buffer,
+    staging: Buffer,
+    /// Bins run on modulo 2³²; what was last seen of them.
+    seen: Vec<u32>,
+}
+
+const COUNTER_WORDS: usize = size_of::<Counters>() / 4;
+
+impl<'a> Session<'a> {
+    /// The kernel of a shape.
+    pub fn compile(device: &OpenDevice, shape: &Shape) -> Result<ComputePipeline> {
+        device.pipeline(&Shader::walk(), "walk", &[0], &overrides(shape))
+    }
+
+    /// Allocate; every bin starts at `preset`.
+    pub fn new(
+        device: &'a OpenDevice,
+        pipeline: ComputePipeline,
+        shape: Shape,
+        packed: &Packed,
+        bins: usize,
+        traces: usize,
+        preset: u32,
+    ) -> Result<Session<'a>> {
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let entries = u64::from(UNIFORM_ENTRIES) * 16;
+        let trace_bytes = (traces * size_of::<Trace>()) as u64;
+        let staging_bytes = (bins * 4).max(size_of::<Counters>()).max(traces * size_of::<Trace>()) as u64;
+        let buffers = [
+            device.buffer("params", size_of::<Params>() as u64, uniform)?,
+            device.buffer("table_uniform", entries, uniform)?,
+            device.buffer("incident", entries, uniform)?,
+            device.buffer("lanes", u64::from(shape.lanes) * size_of::<Lane>() as u64, storage)?,
+            device.buffer("bins", bins as u64 * 4, storage)?,
+            device.buffer("counters", size_of::<Counters>() as u64, storage)?,
+            device.buffer("traces", trace_bytes, storage)?,
+            device.buffer("staging", staging_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,
+        ];
+        let [params, table, incident, lanes, bin_buffer, counters, trace_buffer, staging] = buffers;
+        let in_texture = if shape.table_in_texture { packed.directions } else { &[] };
+        if !shape.table_in_texture {
+            device.queue.write_buffer(&table, 0, bytemuck::cast_slice(packed.directions));
+        }
+        device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
+        let view = texture(&device.device, &device.queue, in_texture);
+        let resources = [
+            params.as_entire_binding(),
+            table.as_entire_binding(),
+            BindingResource::TextureView(&view),
+            incident.as_entire_binding(),
+            lanes.as_entire_binding(),
+            bin_buffer.as_entire_binding(),
+            counters.as_entire_binding(),
+            trace_buffer.as_entire_binding(),
+        ];
+        let group = bind(device, 0, resources);
+        let mut seen = Vec::new();
+        if preset > 0 {
+            seen = vec![preset; bins];
+            device.queue.write_buffer(&bin_buffer, 0, bytemuck::cast_slice(&seen));
+        }
+        seen.resize(bins, 0);
+        Ok(Session {
+            device,
+            shape,
+            pipeline,
+            group,
+            params,
+            lanes,
+            bins: bin_buffer,
+            counters,
+            traces: trace_buffer,
+            staging,
+            seen,
+        })
+    }
+
+    /// Set new parameters, empty the lanes and the counters.
+    pub fn restart(&self, params: &Params) {
+        self.device.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(&self.lanes, 0, None);
+        encoder.clear_buffer(&self.counters, 0, None);
+        self.device.queue.submit([encoder.finish()]);
+    }
+
+    /// One dispatch; gives the counters since the restart.
+    pub fn dispatch(&self) -> Result<Counters> {
+        let mut encoder = self.encoder();
+        {
+            let descriptor = wgpu::ComputePassDescriptor { label: Some("walk"), timestamp_writes: None };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &self.group, &[]);
+            pass.dispatch_workgroups(self.shape.lanes / self.shape.workgroup, 1, 1);
+        }
+        let words = self.read(encoder, &self.counters, COUNTER_WORDS)?;
+        Ok(bytemuck::cast_slice(&words)[0])
+    }
+
+    /// Add what the bins have counted since the last time; a bin gets fewer than 2³² counts between two drains.
+    pub fn drain(&mut self, into: &mut [u64]) -> Result<()> {
+        let now = self.read(self.encoder(), &self.bins, self.seen.len())?;
+        for ((sum, seen), now) in into.iter_mut().zip(&mut self.seen).zip(now) {
+            *sum += u64::from(now.wrapping_sub(*seen));
+            *seen = now;
+        }
+        Ok(())
+    }
+
+    /// How each walk went, by slot.
+    pub fn traces(&self, count: usize) -> Result<Vec<Trace>> {
+        let words = self.read(self.encoder(), &self.traces, count * size_of::<Trace>() / 4)?;
+        Ok(bytemuck::cast_slice(&words).to_vec())
+    }
+
+    fn encoder(&self) -> CommandEncoder {
+        self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    fn read(&self, mut encoder: CommandEncoder, buffer: &Buffer, words: usize) -> Result<Vec<u32>> {
+        encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, (words * 4) as u64);
+        self.device.submit_and_read(encoder, &self.staging, words)
+    }
+}
+
+/// A bind group of resources in the order of their bindings.
+pub fn bind<const N: usize>(device: &OpenDevice, group: u32, resources: [BindingResource; N]) -> BindGroup {
+    let entries: Vec<wgpu::BindGroupEntry> =
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    let layout = group_layout(&device.device, group);
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
+}
+
+fn overrides(shape: &Shape) -> [(&'static str, f64); 7] {
+    let flag = |on: bool| f64::from(u8::from(on));
+    [
+        ("WORKGROUP", f64::from(shape.workgroup)),
+        ("BUDGET", f64::from(shape.budget)),
+        ("FLUSH_EVERY", f64::from(shape.flush_every)),
+        ("TABLE_IN_TEXTURE", flag(shape.table_in_texture)),
+        ("JITTER", flag(shape.jitter)),
+        ("LISTED", flag(shape.listed)),
+        ("TRACE", flag(shape.trace)),
+    ]
+}

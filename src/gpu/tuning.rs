@@ -1,0 +1,94 @@
+//! How many lanes, how long a dispatch, how often to flush.
+
+use super::adapter::Kind;
+
+/// Bounds of a device kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// Lanes of a run that is too short for a warm-up.
+    pub lanes: u32,
+    /// Passes of a dispatch in the warm-up.
+    pub budget: u32,
+    /// Lanes of the warm-up.
+    pub warm_up_lanes: u32,
+    fewest_lanes: u32,
+    most_lanes: u32,
+    /// Seconds that one dispatch may take.
+    target: f64,
+}
+
+/// What the warm-up chose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    pub lanes: u32,
+    pub budget: u32,
+}
+
+impl Tuning {
+    /// Dispatches of tens of milliseconds on hardware, as desktops end those of 2 s; up to a second in software.
+    pub fn start(kind: Kind) -> Tuning {
+        match kind {
+            Kind::Hardware => Tuning {
+                lanes: 1 << 16,
+                budget: 1024,
+                warm_up_lanes: 1 << 16,
+                fewest_lanes: 1 << 14,
+                most_lanes: 1 << 19,
+                target: 0.04,
+            },
+            Kind::Software => Tuning {
+                lanes: 1 << 14,
+                budget: 4096,
+                warm_up_lanes: 1 << 10,
+                fewest_lanes: 1 << 10,
+                most_lanes: 1 << 14,
+                target: 1.0,
+            },
+        }
+    }
+
+    /// Whether a run is long enough for a warm-up, by a guess at its passes.
+    pub fn pays(&self, walks: u64, depth: f64) -> bool {
+        walks as f64 * (1.0 + 2.0 * depth) > 4.0 * f64::from(self.warm_up_lanes) * f64::from(self.budget)
+    }
+
+    /// Choose by the measured seconds of one pass of one lane: the longest budget that fits with the fewest lanes, then
+    /// as many lanes as fit.
+    pub fn choose(&self, seconds_per_pass: f64) -> Choice {
+        let passes = self.target / seconds_per_pass;
+        let fits = |budget: &u32| f64::from(*budget) * f64::from(self.fewest_lanes) <= passes;
+        let budget = [self.budget, 1024, 256].into_iter().find(fits).unwrap_or(256);
+        let mut lanes = self.fewest_lanes;
+        while lanes < self.most_lanes && f64::from(2 * lanes) * f64::from(budget) <= passes {
+            lanes *= 2;
+        }
+        Choice { lanes, budget }
+    }
+}
+
+/// Passes between two flushes, by the majorant optical depth: short walks must not wait for the flush.
+pub fn flush_every(depth: f64) -> u32 {
+    match depth {
+        depth if depth < 1.0 => 2,
+        depth if depth < 3.0 => 4,
+        _ => 6,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dispatch_stays_within_its_time() {
+        for kind in [Kind::Hardware, Kind::Software] {
+            let tuning = Tuning::start(kind);
+            for seconds_per_pass in [1e-11, 1e-10, 1e-9, 1.4e-8] {
+                let Choice { lanes, budget } = tuning.choose(seconds_per_pass);
+                let time = f64::from(lanes) * f64::from(budget) * seconds_per_pass;
+                assert!(time <= tuning.target, "{kind:?}, {seconds_per_pass}: {time} s");
+                assert!([256, 1024, 4096].contains(&budget) && lanes.is_power_of_two());
+            }
+        }
+    }
+}

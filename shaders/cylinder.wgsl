@@ -25,10 +25,14 @@ fn scatter(m: vec3f, p: vec3f, across: vec3f, visible: f32, offset: f32, number:
     var turn = vec2f(1.0 - 2.0 * offset * offset, 2.0 * cos_offset * offset);
     let rest = 1.0 - number;
     var threshold = transmitted;
-    for (var unrolled = 0u; unrolled < 4u; unrolled++) {
-        turn = select(turn, complex_product(turn, chord), rest < threshold);
-        threshold *= reflected;
-    }
+    turn = select(turn, complex_product(turn, chord), rest < threshold);
+    threshold *= reflected;
+    turn = select(turn, complex_product(turn, chord), rest < threshold);
+    threshold *= reflected;
+    turn = select(turn, complex_product(turn, chord), rest < threshold);
+    threshold *= reflected;
+    turn = select(turn, complex_product(turn, chord), rest < threshold);
+    threshold *= reflected;
     for (var chords = 4u; rest < threshold && chords < MAX_CHORDS; chords++) {
         turn = complex_product(turn, chord);
         threshold *= reflected;

@@ -55,7 +55,9 @@ fn step(lane: ptr<function, Lane>) {
     let accept = uniform_open(words.z);
     let hit = inside && accept < visible;
     let offset = 2.0 * uniform_open(words.w) - 1.0;
-    let scattered = scatter(m, p, across, visible, offset, accept / visible);
+    // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
+    let number = select(0.0, accept / visible, hit);
+    let scattered = scatter(m, p, across, visible, offset, number);
     // Give up a walk of too many events: no direction at all is counted as lost.
     let event = (*lane).event + select(0u, 1u, walking);
     let lost = inside && event >= P.max_events;

@@ -69,9 +69,11 @@ impl Tuning {
 /// Passes between two flushes, by the majorant optical depth: short walks must not wait for the flush.
 pub fn flush_every(depth: f64) -> u32 {
     match depth {
-        depth if depth < 1.0 => 2,
-        depth if depth < 3.0 => 4,
-        _ => 6,
+        depth if depth < 1.0 => 1,
+        depth if depth < 2.0 => 3,
+        depth if depth < 4.0 => 5,
+        depth if depth < 8.0 => 8,
+        _ => 12,
     }
 }
 

@@ -1,0 +1,133 @@
+//! What the tests share: the device, cloths written as a user would, independent optics, statistics.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+pub mod sheet;
+pub mod stats;
+pub mod tracer;
+
+use fiberwalk::goniometer::Tally;
+use fiberwalk::gpu::Gpu;
+use fiberwalk::measure::prepare;
+use fiberwalk::reference::Reference;
+use fiberwalk::scene::{Scene, Source};
+use fiberwalk::walk::{Engine, WalkPlan};
+use std::sync::OnceLock;
+
+/// The device of this test binary. No adapter is a failure, not a reason to skip.
+pub fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open(None).unwrap_or_else(|error| panic!("these tests need an adapter: {error}")))
+}
+
+/// Both engines under their names.
+pub fn engines() -> [(&'static str, &'static dyn Engine); 2] {
+    [("gpu", gpu()), ("cpu", &Reference)]
+}
+
+/// A sheet of one kind of fiber, as numbers for a cloth file.
+#[derive(Clone, Debug)]
+pub struct Cloth {
+    pub radius_um: f64,
+    pub ior: f64,
+    pub thickness_um: f64,
+    /// Length density in mm/mm³ and the rest of a `[[sheet.fibers]]`.
+    pub fibers: Vec<(f64, String)>,
+    pub directions: u32,
+    pub incident: String,
+    pub exit: u32,
+}
+
+pub const ISOTROPIC: &str = "orientation = \"isotropic\"";
+pub const PLANAR: &str = "orientation = \"planar\"";
+
+pub fn aligned(axis: [f64; 3]) -> String {
+    format!("orientation = \"aligned\"\naxis = {axis:?}")
+}
+
+impl Cloth {
+    /// Fibers of radius 10 µm in a sheet of 1 mm.
+    pub fn new(length_density: f64, orientation: &str) -> Cloth {
+        Cloth {
+            radius_um: 10.0,
+            ior: 1.5,
+            thickness_um: 1000.0,
+            fibers: vec![(length_density, orientation.into())],
+            directions: 1024,
+            incident: "8".into(),
+            exit: 16,
+        }
+    }
+
+    /// Isotropic fibers with a given true optical depth H·d: H = 2 R L π/4.
+    pub fn isotropic(depth: f64) -> Cloth {
+        Cloth::new(depth / (2.0 * 0.01 * std::f64::consts::FRAC_PI_4), ISOTROPIC)
+    }
+
+    pub fn lit_from(self, incident: &str) -> Cloth {
+        Cloth { incident: incident.into(), ..self }
+    }
+
+    /// The file's text.
+    pub fn toml(&self) -> String {
+        let Cloth { radius_um, ior, thickness_um, directions, incident, exit, .. } = self;
+        let mut text = format!(
+            "[fiber.f]\nradius_um = {radius_um}\nior = {ior}\n[model]\ndirections = {directions}\n\
+             [measure]\nincident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n"
+        );
+        for (density, rest) in &self.fibers {
+            text += &format!("[[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = {density}\n{rest}\n");
+        }
+        text
+    }
+
+    pub fn scene(&self) -> Scene {
+        let source = Source { file: "test.toml".into(), stem: "test".into(), text: self.toml() };
+        Scene::parse(&source).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Measure with an engine and hold the accounts against the plan.
+    pub fn run(&self, engine: &dyn Engine, plan: &WalkPlan) -> Tally {
+        let (_, tables, goniometer) = prepare(&self.scene()).unwrap_or_else(|error| panic!("{error}"));
+        let tally = engine.run(&tables, &goniometer, plan, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
+        tally.check(plan.walks_per_incident).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(tally.origin.seed, plan.seed);
+        tally
+    }
+}
+
+/// Assert from the result which engine ran.
+pub fn assert_ran(tally: &Tally, engine: &str) {
+    assert_eq!(tally.origin.engine, engine, "the wrong engine ran");
+}
+
+/// All counts of scattered light.
+pub fn scattered(tally: &Tally) -> Vec<u64> {
+    (0..tally.incident_cells()).flat_map(|cell| [tally.reflection(cell), tally.transmission(cell)].concat()).collect()
+}
+
+/// A generator that has nothing to do with the program's own: SplitMix64.
+#[derive(Clone, Debug)]
+pub struct SplitMix(pub u64);
+
+impl SplitMix {
+    pub fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in (0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        ((self.word() >> 12) as f64 + 0.5) * 2f64.powi(-52)
+    }
+
+    /// Uniform on the sphere.
+    pub fn direction(&mut self) -> glam::DVec3 {
+        let z = 2.0 * self.uniform() - 1.0;
+        let (sin, cos) = (std::f64::consts::TAU * self.uniform()).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        glam::DVec3::new(r * cos, r * sin, z)
+    }
+}

@@ -1,0 +1,85 @@
+//! The same walks in both engines, one by one: same seed, same draw contract, f32 and complex products against f64 and
+//! angles. Walks that differ must have come near a decision.
+
+mod common;
+
+use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
+use fiberwalk::gpu::Settings;
+use fiberwalk::measure::prepare;
+use fiberwalk::reference::{Replay, replay};
+use fiberwalk::walk::{WalkPlan, WalkRecord};
+
+/// Rounding errors of a walk stay below this share of a decision's scale: a few ulps of f32, 1.2e-7 each, for each of
+/// some ten events, and curved fibers multiply them from hit to hit.
+const NEAR: f64 = 1e-5;
+
+struct Comparison {
+    walks: usize,
+    /// Walks that ended in another bin or after another number of events, with their nearest decision.
+    differing: Vec<f64>,
+    /// Nearest decisions of a sample of walks that agree.
+    agreeing: Vec<f64>,
+}
+
+/// Make walks on the device with `cloth`, and once more in f64 with `other`.
+fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
+    let plan = WalkPlan::new(11, walks_per_cell);
+    let (_, tables, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let (tally, records) = gpu().trace(Settings::default(), &tables, &goniometer, &plan).expect("the device works");
+    assert_ran(&tally, "gpu");
+    let (_, tables, goniometer) = prepare(&other.scene()).expect("the cloth is fine");
+    let cells = goniometer.incident_cells();
+    let mut result = Comparison { walks: records.len(), differing: Vec::new(), agreeing: Vec::new() };
+    let mut bins = vec![0; tally.bins.len()];
+    for (slot, record) in records.iter().enumerate() {
+        let (i, cell) = (slot / cells, slot % cells);
+        let Replay { record: expected, nearest_tie } = replay(&tables, &goniometer, &plan, cell, i as u64);
+        let same = |a: &WalkRecord, b: &WalkRecord| a.bin == b.bin && a.events == b.events && a.hits == b.hits;
+        if !same(record, &expected) {
+            result.differing.push(nearest_tie);
+        } else if slot % 64 == 0 {
+            result.agreeing.push(nearest_tie);
+        }
+        bins[cell * tally.layout.stride() + record.bin as usize] += 1u64;
+    }
+    assert_eq!(bins, tally.bins, "the records are the walks that were counted");
+    result
+}
+
+fn check(cloth: &Cloth, walks_per_cell: u64, most: f64) {
+    let Comparison { walks, differing, agreeing } = compare(cloth, cloth, walks_per_cell);
+    let share = differing.len() as f64 / walks as f64;
+    assert!(share < most, "{share:.1e} of {walks} walks differ");
+    let far: Vec<&f64> = differing.iter().filter(|tie| **tie > NEAR).collect();
+    assert!(far.is_empty(), "{} of {} differing walks were near no decision: {far:?}", far.len(), differing.len());
+    // The bound means something: few walks ever come so near a decision.
+    let near = agreeing.iter().filter(|tie| **tie < NEAR).count() as f64 / agreeing.len() as f64;
+    println!("{share:.1e} of {walks} walks differ; {near:.3} of all walks come near a decision");
+    assert!(near < 0.05, "{near} of all walks come near a decision");
+}
+
+#[test]
+fn thin_sheets_differ_in_few_walks_of_a_hundred_thousand() {
+    check(&Cloth::isotropic(0.5), 4096, 5e-5);
+}
+
+#[test]
+fn sheets_of_depth_four_differ_in_fewer_walks_than_two_of_ten_thousand() {
+    check(&Cloth::isotropic(4.0), 2048, 2e-4);
+}
+
+#[test]
+fn mixed_sheets_lit_from_listed_directions_agree_too() {
+    let fibers = vec![(60.0, ISOTROPIC.to_owned()), (60.0, PLANAR.to_owned()), (60.0, aligned([0.48, -0.6, 0.64]))];
+    let cloth = Cloth { fibers, ..Cloth::isotropic(1.0) }.lit_from("[[12, 10], [47, 100], [71, -130]]");
+    check(&cloth, 40_000, 2e-4);
+}
+
+#[test]
+fn a_bent_index_differs_in_one_walk_of_ten() {
+    let cloth = Cloth::isotropic(4.0);
+    let bent = Cloth { ior: 1.505, ..cloth.clone() };
+    let Comparison { walks, differing, .. } = compare(&cloth, &bent, 64);
+    assert!(differing.len() as f64 > 0.1 * walks as f64, "only {} of {walks} differ", differing.len());
+    assert!(differing.iter().filter(|tie| **tie > NEAR).count() > 100, "all of them were near a decision");
+}

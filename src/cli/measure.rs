@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             100.0 * specific_length.spread_error
         ));
     }
-    note(&format!("engine: {} on {} ({})", engine.name, engine.adapter, engine.reason));
+    note(&format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
 
     let bar = if arguments.quiet { ProgressBar::hidden() } else { progress_bar(arguments.walks * cells) };
     let plan = WalkPlan::new(arguments.seed, arguments.walks);

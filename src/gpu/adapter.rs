@@ -45,7 +45,7 @@ pub(super) fn find(name: Option<&str>) -> Result<Adapter> {
     found.ok_or_else(|| match name {
         _ if names.is_empty() => Error::Device {
             needed: "the gpu engine needs a Vulkan, Metal or DX12 driver".into(),
-            found: format!("no adapter was found ({ADVICE})"),
+            found: format!("no adapter was found; {ADVICE}"),
         },
         Some(name) => Error::Device {
             needed: format!("an adapter named `{name}` was asked for"),

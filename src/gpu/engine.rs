@@ -41,6 +41,8 @@ pub struct Settings {
     pub cells_per_batch: Option<usize>,
     /// Number at which every bin of the device starts.
     pub bins_preset: u32,
+    /// Blocks of walks that the device is not told of: the account of such a run must not close.
+    pub withheld_blocks: u32,
 }
 
 /// How a run went on the device.
@@ -273,7 +275,9 @@ impl<'a> Run<'a> {
         let mut start = self.plan.first;
         while start < end {
             let walks = segment.min(end - start);
-            session.restart(&params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks));
+            let mut params = params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks);
+            params.blocks = params.blocks.saturating_sub(self.settings.withheld_blocks);
+            session.restart(&params);
             self.run_segment(&mut session, bins.clone(), walks * cells.len() as u64, progress)?;
             if self.shape.trace {
                 self.keep_traces(&session, cells.start, start, walks)?;

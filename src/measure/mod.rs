@@ -6,6 +6,8 @@
 
 mod engine;
 mod run;
+mod self_test;
 
 pub use engine::{ChosenEngine, EngineChoice, choose};
 pub use run::{Measurement, Progress, Seconds, prepare, run};
+pub use self_test::{SelfTest, self_test};

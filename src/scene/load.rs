@@ -29,10 +29,13 @@ impl Source {
     /// [`Error::File`] when a file cannot be read, [`Error::Input`] when there is neither file nor preset.
     pub fn find(cloth: &str) -> Result<Source> {
         let path = Path::new(cloth);
+        // A folder of that name is the result of an earlier run.
+        if !path.is_file()
+            && let Some(text) = preset(cloth)
+        {
+            return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into() });
+        }
         if !path.exists() {
-            if let Some(text) = preset(cloth) {
-                return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into() });
-            }
             let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
             let hint = closest(cloth, &names).map(|name| format!(", did you mean `{name}`?")).unwrap_or_default();
             let names = names.join(", ");

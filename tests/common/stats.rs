@@ -12,32 +12,36 @@ pub fn binomial_z(count: u64, walks: u64, probability: f64) -> f64 {
     (count as f64 - n * probability) / (n * probability * (1.0 - probability)).sqrt()
 }
 
-/// Two-sample χ² of counts from equally many or different numbers of walks, as a standard normal z.
+/// Two-sample χ² of the counts of two partitions, and its degrees of freedom.
 ///
-/// Cells with fewer than 25 counts in both together are pooled; χ² goes to z by Wilson and Hilferty.
-pub fn two_sample_z(a: &[u64], a_walks: u64, b: &[u64], b_walks: u64) -> f64 {
+/// Cells with fewer than 25 counts in both together are pooled; the fixed totals take one degree of freedom.
+pub fn two_sample_chi2(a: &[u64], a_walks: u64, b: &[u64], b_walks: u64) -> (f64, f64) {
     let (na, nb) = (a_walks as f64, b_walks as f64);
-    let (mut pooled_a, mut pooled_b) = (0.0, 0.0);
-    let mut cells: Vec<(f64, f64)> = Vec::new();
-    for (&a, &b) in a.iter().zip(b) {
-        let (a, b) = (a as f64, b as f64);
-        if a + b < 25.0 {
-            pooled_a += a;
-            pooled_b += b;
-        } else {
-            cells.push((a, b));
-        }
+    let (few, mut cells): (Vec<_>, Vec<_>) =
+        a.iter().zip(b).map(|(&a, &b)| (a as f64, b as f64)).partition(|(a, b)| a + b < 25.0);
+    let pool = few.iter().fold((0.0, 0.0), |pool, cell| (pool.0 + cell.0, pool.1 + cell.1));
+    if pool.0 + pool.1 >= 25.0 {
+        cells.push(pool);
     }
-    if pooled_a + pooled_b >= 25.0 {
-        cells.push((pooled_a, pooled_b));
-    }
-    let chi2: f64 = cells.iter().map(|(a, b)| (a * (nb / na).sqrt() - b * (na / nb).sqrt()).powi(2) / (a + b)).sum();
-    // Cells of a full partition lose one degree of freedom to the fixed totals.
-    chi2_z(chi2, cells.len() as f64 - 1.0)
+    let chi2 = cells.iter().map(|(a, b)| (a * (nb / na).sqrt() - b * (na / nb).sqrt()).powi(2) / (a + b)).sum();
+    (chi2, cells.len() as f64 - 1.0)
 }
 
 /// z of χ² with k degrees of freedom (Wilson and Hilferty 1931).
 pub fn chi2_z(chi2: f64, k: f64) -> f64 {
     let spread = 2.0 / (9.0 * k);
     ((chi2 / k).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+/// Two tallies of independent walks, incident cell by incident cell, all bins, as a standard normal z.
+pub fn two_tally_z(a: &fiberwalk::goniometer::Tally, b: &fiberwalk::goniometer::Tally) -> f64 {
+    assert_ne!(a.origin.seed, b.origin.seed, "tallies of the same seed are not independent");
+    let (mut chi2, mut freedom) = (0.0, 0.0);
+    for cell in 0..a.incident_cells() {
+        let (part, k) =
+            two_sample_chi2(a.of_incident(cell), a.walks_per_incident, b.of_incident(cell), b.walks_per_incident);
+        chi2 += part;
+        freedom += k;
+    }
+    chi2_z(chi2, freedom)
 }

@@ -1,0 +1,128 @@
+//! The program as a user meets it: commands, their output, their files.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn fiberwalk(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fiberwalk"));
+    command.args(arguments).current_dir(folder).env("XDG_RUNTIME_DIR", folder);
+    command.output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("output is UTF-8")
+}
+
+/// Run a measurement and read its summary.
+fn measure(folder: &Path, arguments: &[&str]) -> (Output, Value) {
+    let output = fiberwalk(folder, &[&["measure"], arguments].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let name = text(&output.stdout).lines().last().expect("the last line names the summary").to_owned();
+    let summary = std::fs::read_to_string(folder.join(name)).expect("the summary is there");
+    (output, serde_json::from_str(&summary).expect("the summary is JSON"))
+}
+
+#[test]
+fn the_default_measurement_stays_below_150_mib() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (output, summary) = measure(folder.path(), &["felt", "--walks", "2000", "-o", &in_folder(&folder, "felt")]);
+    assert_eq!(summary["engine"], "gpu", "the tests need an adapter: {}", text(&output.stderr));
+    let peak = summary["peak_bytes"].as_u64().expect("Linux tells the peak");
+    assert!(peak < 150 << 20, "{} MiB", peak >> 20);
+    // A sheet with more exit cells takes more: the figure is alive.
+    let folder_2 = in_folder(&folder, "fine");
+    let (_, fine) =
+        measure(folder.path(), &["felt", "--walks", "16", "--incident", "24", "--exit", "128", "-o", &folder_2]);
+    assert!(fine["peak_bytes"].as_u64() > Some(peak + (50 << 20)));
+}
+
+fn in_folder(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_string_lossy().into_owned()
+}
+
+#[test]
+fn results_go_to_stdout_and_notes_to_stderr() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (output, summary) = measure(folder.path(), &["nonwoven", "--walks", "500", "--engine", "cpu"]);
+    let (results, notes) = (text(&output.stdout), text(&output.stderr));
+    assert!(results.starts_with("light from"), "{results}");
+    assert_eq!(results.lines().filter(|line| line.contains('±')).count(), 4, "hemispherical, 0, 30, 60 degrees");
+    assert!(results.contains("nonwoven/bsdf.exr"), "the default folder is the preset's name:\n{results}");
+    assert!(notes.contains("engine: cpu on") && notes.contains("asked for"), "{notes}");
+    assert_eq!(summary["walks"], 64 * 500);
+    assert_eq!(summary["walks_per_incident"], 500);
+    assert_eq!(summary["model"]["directions"], 1024);
+    assert_eq!(summary["sides"]["front"]["incident"].as_array().map(Vec::len), Some(64));
+    let (quiet, _) = measure(folder.path(), &["nonwoven", "--walks", "500", "--engine", "cpu", "--quiet", "--force"]);
+    assert_eq!(text(&quiet.stderr), "");
+}
+
+#[test]
+fn shares_of_every_incident_direction_add_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for engine in ["gpu", "cpu"] {
+        let incident = ["--incident", "[[0, 0], [30, 45], [60, -20]]"];
+        let arguments = [&["felt", "--walks", "3000", "--engine", engine, "--force"][..], &incident].concat();
+        let (output, summary) = measure(folder.path(), &arguments);
+        assert_eq!(summary["engine"], engine);
+        assert_eq!(summary["sides"]["front"]["hemispherical"], Value::Null, "a list has no mean");
+        assert_eq!(text(&output.stdout).lines().filter(|line| line.starts_with('θ')).count(), 3);
+        let directions = summary["sides"]["front"]["incident"].as_array().expect("a list");
+        assert_eq!(directions[1]["theta_deg"], 30.0);
+        assert_eq!(directions[2]["phi_deg"], -20.0);
+        for entry in directions {
+            let share = |key: &str| entry[key]["Y"]["value"].as_f64().expect("a number");
+            let sum = share("reflectance") + share("transmittance") + share("direct") + share("absorptance");
+            assert!((sum + entry["lost"].as_f64().expect("a number") - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_files_and_another_seed_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = |seed: &str| {
+        measure(folder.path(), &["nonwoven", "--walks", "300", "--seed", seed, "--force"]);
+        std::fs::read(folder.path().join("nonwoven/bsdf.exr")).expect("the table is there")
+    };
+    let first = bytes("5");
+    assert!(first == bytes("5"), "the same seed gave another table");
+    assert!(first != bytes("6"), "another seed gave the same table");
+}
+
+#[test]
+fn flags_have_their_way_over_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cloth = "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\
+                 length_density_per_mm2 = 100\norientation = \"planar\"\n[measure]\nincident = 4\nexit = 4\n";
+    std::fs::write(folder.path().join("my cloth.toml"), cloth).expect("it can be written");
+    let (_, plain) = measure(folder.path(), &["my cloth.toml", "--walks", "10", "--engine", "cpu"]);
+    assert_eq!(plain["walks"], 160);
+    assert_eq!(plain["name"], "my cloth", "without a name the file's stem serves");
+    let all =
+        ["--incident", "2", "--exit", "3", "--sides", "front", "--tracking", "null-collision", "--placement", "at-hit"];
+    let arguments = [&["my cloth.toml", "--walks", "10", "--engine", "cpu", "--force"][..], &all].concat();
+    assert_eq!(measure(folder.path(), &arguments).1["walks"], 40);
+}
+
+#[test]
+fn engines_lists_adapters_and_tests_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = fiberwalk(folder.path(), &["engines"]);
+    let listed = text(&output.stdout);
+    assert!(output.status.success(), "{listed}{}", text(&output.stderr));
+    assert!(listed.contains("gpu  ") && listed.contains("cpu  "), "{listed}");
+    assert_eq!(listed.matches("self-test passed").count(), listed.matches("pu  ").count(), "{listed}");
+    assert_eq!(fiberwalk(folder.path(), &["engines", "--adapter", "nosuch"]).status.code(), Some(3));
+}
+
+#[test]
+fn a_spread_bundle_says_how_far_the_grid_smears_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cloth = "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\
+                 length_density_per_mm2 = 100\norientation = \"aligned\"\naxis = [1, 0.3, 0]\nspread_deg = 12\n";
+    std::fs::write(folder.path().join("spread.toml"), cloth).expect("it can be written");
+    let (output, _) = measure(folder.path(), &["spread.toml", "--walks", "10", "--engine", "cpu"]);
+    assert!(text(&output.stderr).contains("smears the spread bundles"), "{}", text(&output.stderr));
+}

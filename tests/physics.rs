@@ -219,3 +219,54 @@ fn light_off_aligned_fibers_stays_on_the_cone() {
         }
     }
 }
+
+#[test]
+fn unpolarised_light_is_off_by_what_the_readme_says() {
+    // Light normal to fibers of index 1.55, mean over α: true s and p light against the mean reflectance.
+    let steps = 200_000;
+    let (mut truth, mut computed) = ([0.0; 4], [0.0; 4]);
+    for i in 0..steps {
+        let offset = (f64::from(i) + 0.5) / f64::from(steps);
+        let f = fiberwalk::optics::Encounter::new(-DVec3::Z, DVec3::X, offset, 1.55).reflectance;
+        let (ci, ct) = ((1.0 - offset * offset).sqrt(), (1.0 - (offset / 1.55).powi(2)).sqrt());
+        let s = ((ci - 1.55 * ct) / (ci + 1.55 * ct)).powi(2);
+        let p = ((1.55 * ci - ct) / (1.55 * ci + ct)).powi(2);
+        for chords in 1..4 {
+            let share = |f: f64| (1.0 - f).powi(2) * f.powi(chords as i32 - 1);
+            truth[chords] += 0.5 * (share(s) + share(p));
+            computed[chords] += share(f);
+        }
+    }
+    for (chords, stated) in [(1, 1.004), (2, 0.913), (3, 1.12)] {
+        let ratio: f64 = truth[chords] / computed[chords];
+        assert!((ratio - stated).abs() < 5e-4, "{chords} chords: {ratio:.4}");
+    }
+}
+
+/// Share of the hits at an angle between ray and fiber whose light passes more than 1024 chords: ∫ T (1−T)¹⁰²⁴ dα.
+fn beyond_the_cap(angle: f64) -> f64 {
+    let p = DVec3::new(angle.sin(), 0.0, angle.cos());
+    let steps = 600;
+    // α = 1 − exp(−x): grazing offsets hold most of it.
+    let step = 25.0 / f64::from(steps);
+    let share = |i: i32| {
+        let rest = (-(f64::from(i) + 0.5) * step).exp();
+        let t = 1.0 - fiberwalk::optics::Encounter::new(DVec3::Z, p, 1.0 - rest, 1.55).reflectance;
+        t * (1024.0 * (-t).ln_1p()).exp() * rest * step
+    };
+    (0..steps).map(share).sum()
+}
+
+#[test]
+fn the_cap_on_chords_cuts_off_as_little_as_the_readme_says() {
+    assert!(beyond_the_cap(3f64.to_radians()) < 1e-7);
+    assert!(beyond_the_cap(0.1f64.to_radians()) > 1e-5, "nearer to the fibers it is more");
+    // Isotropic fibers are hit at angle t with density (4/π) sin² t; t = (π/2) exp(−x).
+    let step = 0.025;
+    let at = |i: i32| {
+        let t = FRAC_PI_2 * (-(f64::from(i) + 0.5) * step).exp();
+        beyond_the_cap(t) * 4.0 / PI * t.sin().powi(2) * t * step
+    };
+    let isotropic: f64 = (0..400).map(at).sum();
+    assert!(isotropic > 1e-11 && isotropic < 2e-10, "{isotropic:e}");
+}

@@ -65,7 +65,7 @@ fn check(choice: EngineChoice, adapter: Option<&str>, failures: &mut Vec<String>
     let started = Instant::now();
     match choose(choice, adapter).and_then(|engine| self_test(&engine)) {
         Ok(result) => println!(
-            "     self-test passed in {:.2} s: direct light off by {:.1} standard errors, {:.1e} of the walks differ from f64",
+            "     self-test passed in {:.2} s: direct light off by {:.1} standard errors, {} of the walks differ from f64",
             started.elapsed().as_secs_f64(),
             result.direct_z,
             result.moved

@@ -13,6 +13,7 @@ mod device;
 mod engine;
 pub mod layout;
 mod pack;
+mod params;
 mod probe;
 mod session;
 pub mod shader;

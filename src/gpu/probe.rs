@@ -5,6 +5,7 @@ use super::engine::Gpu;
 pub use super::layout::ProbeInput;
 use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES};
 use super::pack::{direction_table, incident_table, texture};
+use super::params;
 use super::session::bind;
 use super::shader::Shader;
 use crate::error::Result;
@@ -80,7 +81,7 @@ impl<'a> Probe<'a> {
         let directions = direction_table(self.tables, true);
         let view = texture(&device.device, &device.queue, &directions);
         let plan = WalkPlan::new(0, 1);
-        let values = super::engine::params(self.tables, self.goniometer, &plan, 0..1, 0..1);
+        let values = params::params(self.tables, self.goniometer, &plan, 0..1, 0..1);
         device.queue.write_buffer(&params, 0, bytemuck::bytes_of(&values));
         if !self.table_in_texture {
             device.queue.write_buffer(&table, 0, bytemuck::cast_slice(&directions));

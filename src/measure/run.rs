@@ -76,7 +76,7 @@ pub fn prepare(scene: &Scene) -> Result<(SpecificLength, SamplingTables, Goniome
 /// Measure a scene with a chosen engine; `started` is when the work on it began.
 ///
 /// # Errors
-/// Those of [`prepare`] and of [`Engine::run`](crate::walk::Engine::run).
+/// Those of [`prepare`] and of [`Engine::run`].
 pub fn run(
     scene: &Scene,
     engine: &ChosenEngine,

@@ -27,9 +27,7 @@ impl ResultFolder {
     /// # Errors
     /// [`Error::Input`] when it holds a result and `force` is not set; [`Error::File`] when it cannot be written.
     pub fn prepare(path: &Path, force: bool) -> Result<ResultFolder> {
-        if let Some(file) = FILES.iter().find(|file| path.join(file).exists())
-            && !force
-        {
+        if let (false, Some(file)) = (force, FILES.iter().find(|file| path.join(file).exists())) {
             let path = path.display();
             let message =
                 format!("{path} holds a result already ({file}): --force replaces it, -o names another folder");

@@ -30,9 +30,7 @@ impl Source {
     pub fn find(cloth: &str) -> Result<Source> {
         let path = Path::new(cloth);
         // A folder of that name is the result of an earlier run.
-        if !path.is_file()
-            && let Some(text) = preset(cloth)
-        {
+        if let (false, Some(text)) = (path.is_file(), preset(cloth)) {
             return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into() });
         }
         if !path.exists() {

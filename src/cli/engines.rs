@@ -1,7 +1,10 @@
 //! `fiberwalk engines`.
 
-use fiberwalk::gpu::{AdapterSummary, Kind, list};
+use super::print;
+use fiberwalk::gpu::{AdapterSummary, Gpu, Kind, list};
 use fiberwalk::measure::{EngineChoice, choose, self_test};
+use fiberwalk::reference::Reference;
+use fiberwalk::walk::Engine;
 use fiberwalk::{Error, Result};
 use std::time::Instant;
 
@@ -16,30 +19,25 @@ pub struct Arguments {
 /// Run the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let wanted = arguments.adapter.as_ref().map(|name| name.to_lowercase());
-    let adapters = list();
     let mut failures = Vec::new();
     let mut shown = 0;
-    for adapter in &adapters {
-        if wanted.as_ref().is_some_and(|name| !adapter.name.to_lowercase().contains(name)) {
-            continue;
+    for (place, adapter) in list().iter().enumerate() {
+        if wanted.as_ref().is_none_or(|name| adapter.name.to_lowercase().contains(name)) {
+            shown += 1;
+            print(&format!("gpu  {}\n", describe(adapter)))?;
+            check(&adapter.name, Gpu::open_listed(place), &mut failures)?;
         }
-        shown += 1;
-        println!("gpu  {}", describe(adapter));
-        check(EngineChoice::Gpu, Some(&adapter.name), &mut failures);
     }
-    match &wanted {
-        Some(_) if shown == 0 => {
-            // Let the search itself say what there is.
-            choose(EngineChoice::Gpu, arguments.adapter.as_deref())?;
+    if wanted.is_some() && shown == 0 {
+        // Let the search itself say what there is.
+        choose(EngineChoice::Gpu, arguments.adapter.as_deref())?;
+    }
+    if wanted.is_none() {
+        if shown == 0 {
+            print("gpu  no adapter with the default limits of WebGPU\n")?;
         }
-        Some(_) => {}
-        None => {
-            if adapters.is_empty() {
-                println!("gpu  no adapter with the default limits of WebGPU");
-            }
-            println!("cpu  {}", choose(EngineChoice::Cpu, None)?.adapter);
-            check(EngineChoice::Cpu, None, &mut failures);
-        }
+        print(&format!("cpu  {}\n", Reference.adapter()))?;
+        check("cpu", Ok(Reference), &mut failures)?;
     }
     if failures.is_empty() { Ok(()) } else { Err(Error::Failed(failures.join("; "))) }
 }
@@ -61,18 +59,18 @@ fn describe(adapter: &AdapterSummary) -> String {
 }
 
 /// Print how a self-test went, and keep its failure.
-fn check(choice: EngineChoice, adapter: Option<&str>, failures: &mut Vec<String>) {
+fn check(name: &str, engine: Result<impl Engine>, failures: &mut Vec<String>) -> Result<()> {
     let started = Instant::now();
-    match choose(choice, adapter).and_then(|engine| self_test(&engine)) {
-        Ok(result) => println!(
-            "     self-test passed in {:.2} s: direct light off by {:.1} standard errors, {} of the walks differ from f64",
+    match engine.and_then(|engine| self_test(&engine)) {
+        Ok(result) => print(&format!(
+            "     self-test passed in {:.2} s: direct light off by {:.1} standard errors, {} of the walks differ from f64\n",
             started.elapsed().as_secs_f64(),
             result.direct_z,
             result.moved
-        ),
+        )),
         Err(error) => {
-            println!("     {error}");
-            failures.push(format!("{}: {error}", adapter.unwrap_or("cpu")));
+            failures.push(format!("{name}: {error}"));
+            print(&format!("     {error}\n"))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `fiberwalk measure`.
 
 use super::show::{grouped, totals_table};
+use super::{one_line, print};
 use fiberwalk::measure::{EngineChoice, Measurement, Progress, choose, prepare, run as measure};
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Source};
@@ -22,7 +23,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Walks of each incident cell
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = walks, allow_negative_numbers = true)]
     walks: u64,
     /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
@@ -31,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Seed of the random numbers
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = whole, allow_negative_numbers = true)]
     seed: u64,
     /// Replace an existing result
     #[arg(long)]
@@ -56,6 +57,15 @@ pub struct Arguments {
     sides: Option<String>,
 }
 
+fn whole(text: &str) -> std::result::Result<u64, String> {
+    text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
+}
+
+fn walks(text: &str) -> std::result::Result<u64, String> {
+    let number = whole(text).ok().filter(|number| (1..=MAX_WALKS).contains(number));
+    number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_WALKS}"))
+}
+
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Choice {
     Auto,
@@ -68,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let started = Instant::now();
     let note = |text: &str| {
         if !arguments.quiet {
-            eprintln!("{text}");
+            eprintln!("{}", one_line(text));
         }
     };
     // Check everything that can be wrong before the first walk.
@@ -113,11 +123,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
-    print!("{}", totals_table(&measurement));
-    println!("{}", speed(&measurement));
-    println!("{}", path.join("bsdf.exr").display());
-    println!("{}", path.join("summary.json").display());
-    Ok(())
+    let files = ["bsdf.exr", "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
+    print(&format!("{}{}\n{files}", totals_table(&measurement), speed(&measurement)))
 }
 
 impl Arguments {

@@ -35,7 +35,7 @@ pub fn totals_table(measurement: &Measurement) -> String {
         (wi.z.clamp(-1.0, 1.0).acos().to_degrees(), wi.y.atan2(wi.x).to_degrees())
     };
     let mut rows = Vec::new();
-    let cells: Vec<usize> = match hemispherical(tally, goniometer) {
+    let mut cells: Vec<usize> = match hemispherical(tally, goniometer) {
         Some(mean) => {
             rows.push(("hemispherical".to_owned(), mean));
             let distance = |cell: usize, theta: f64| (angles(cell).0 - theta).abs();
@@ -45,6 +45,7 @@ pub fn totals_table(measurement: &Measurement) -> String {
         }
         None => (0..tally.incident_cells()).collect(),
     };
+    cells.dedup();
     for cell in cells {
         let (theta, phi) = angles(cell);
         rows.push((format!("θ {theta:.1}°, φ {phi:.1}°"), totals(tally, cell)));

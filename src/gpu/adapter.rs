@@ -55,6 +55,14 @@ pub(super) fn find(name: Option<&str>) -> Result<Adapter> {
     })
 }
 
+/// The adapter at a place of [`list`].
+pub(super) fn at(place: usize) -> Result<Adapter> {
+    adapters()
+        .into_iter()
+        .nth(place)
+        .ok_or_else(|| Error::Device { needed: "an adapter was listed".into(), found: "it is no longer there".into() })
+}
+
 /// Describe an adapter.
 pub(super) fn summary(adapter: &Adapter) -> AdapterSummary {
     let info = adapter.get_info();

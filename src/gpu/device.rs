@@ -1,6 +1,6 @@
 //! A device, its pipelines, and waiting for it.
 
-use super::adapter::{AdapterSummary, find, summary};
+use super::adapter::{AdapterSummary, summary};
 use super::layout::group_layout;
 use super::shader::Shader;
 use crate::error::{Error, Result};
@@ -21,10 +21,9 @@ pub struct OpenDevice {
 }
 
 impl OpenDevice {
-    /// Open the best adapter that fits, with default limits and no optional feature.
-    pub fn open(name: Option<&str>) -> Result<OpenDevice> {
-        let adapter = find(name)?;
-        let summary = summary(&adapter);
+    /// Open an adapter, with default limits and no optional feature.
+    pub fn open(adapter: &wgpu::Adapter) -> Result<OpenDevice> {
+        let summary = summary(adapter);
         let descriptor = wgpu::DeviceDescriptor { required_limits: Limits::default(), ..Default::default() };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
         let (device, queue) = opened.map_err(|error| Error::Device {

@@ -1,6 +1,6 @@
 //! All walks of a plan on a device: batches of incident cells, segments of walks, dispatches.
 
-use super::adapter::Kind;
+use super::adapter::{self, Kind};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
 use super::pack::{direction_table, incident_table};
@@ -74,7 +74,19 @@ impl Gpu {
     /// # Errors
     /// [`Error::Device`] when there is none, or it gives no device with default limits.
     pub fn open(name: Option<&str>) -> Result<Gpu> {
-        Ok(Gpu { device: OpenDevice::open(name)?, settings: Settings::default(), pipelines: Mutex::default() })
+        Gpu::on(&adapter::find(name)?)
+    }
+
+    /// Open the adapter at a place of [`list`](super::list).
+    ///
+    /// # Errors
+    /// [`Error::Device`] when it is gone, or gives no device with default limits.
+    pub fn open_listed(place: usize) -> Result<Gpu> {
+        Gpu::on(&adapter::at(place)?)
+    }
+
+    fn on(adapter: &wgpu::Adapter) -> Result<Gpu> {
+        Ok(Gpu { device: OpenDevice::open(adapter)?, settings: Settings::default(), pipelines: Mutex::default() })
     }
 
     /// What the adapter is.

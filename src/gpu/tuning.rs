@@ -32,7 +32,7 @@ impl Tuning {
                 lanes: 1 << 16,
                 budget: 1024,
                 warm_up_lanes: 1 << 16,
-                fewest_lanes: 1 << 14,
+                fewest_lanes: 1 << 13,
                 most_lanes: 1 << 19,
                 target: 0.04,
             },

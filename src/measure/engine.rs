@@ -48,6 +48,9 @@ impl Engine for ChosenEngine {
 /// [`Error::Device`] when no adapter fits and the choice leaves no other way; [`Error::Input`] when `adapter` comes
 /// with the cpu engine.
 pub fn choose(choice: EngineChoice, adapter: Option<&str>) -> Result<ChosenEngine> {
+    if adapter.is_some_and(|name| name.trim().is_empty()) {
+        return Err(Error::Input("--adapter needs a part of an adapter's name; `fiberwalk engines` lists them".into()));
+    }
     if choice == EngineChoice::Cpu {
         return match adapter {
             None => Ok(cpu("asked for".into())),

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Largest tally that is held in memory, in bytes.
-const MAX_TALLY: usize = 4 << 30;
+const MAX_TALLY: usize = 1 << 30;
 /// Time between two looks at the noise.
 const LOOK: Duration = Duration::from_millis(200);
 
@@ -47,8 +47,6 @@ pub struct Measurement {
     pub tally: Tally,
     /// Where the time went.
     pub seconds: Seconds,
-    /// Largest memory of the process so far in bytes, where the system tells it.
-    pub peak_bytes: Option<u64>,
 }
 
 /// The medium and the instrument of a scene.
@@ -63,7 +61,7 @@ pub fn prepare(scene: &Scene) -> Result<(SpecificLength, SamplingTables, Goniome
         return Err(Error::Input(format!(
             "{cells} incident cells with {exits} exit cells on each side take {} MiB, allowed: {} MiB; \
              lower `incident` or `exit`",
-            bytes >> 20,
+            bytes.div_ceil(1 << 20),
             MAX_TALLY >> 20
         )));
     }
@@ -99,11 +97,11 @@ pub fn run(
         walk: prepared.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer, tally, seconds, peak_bytes: peak_bytes() })
+    Ok(Measurement { goniometer, tally, seconds })
 }
 
-/// Largest resident memory of this process, from Linux's /proc.
-fn peak_bytes() -> Option<u64> {
+/// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.
+pub fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)

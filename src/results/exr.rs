@@ -15,16 +15,13 @@ pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> 
     let Measurement { goniometer, tally, .. } = measurement;
     let attribute = attribute(scene, measurement).to_string();
     let cells = 0..tally.incident_cells();
-    let table = |component| -> Vec<Estimate> {
-        cells.clone().flat_map(|cell| values(tally, goniometer, component, cell)).collect()
-    };
     let size = (goniometer.exit.cells(), tally.incident_cells());
-    let direct: Vec<Estimate> =
-        cells.clone().map(|cell| probability(tally.direct(cell), tally.walks_per_incident)).collect();
+    let table = |component| cells.clone().flat_map(move |cell| values(tally, goniometer, component, cell));
+    let direct = cells.clone().map(|cell| probability(tally.direct(cell), tally.walks_per_incident));
     let parts = [
-        part("front.reflection", size, &table(Component::Reflection), &attribute),
-        part("front.transmission", size, &table(Component::Transmission), &attribute),
-        part("front.direct", (tally.incident_cells(), 1), &direct, &attribute),
+        part("front.reflection", size, table(Component::Reflection), &attribute),
+        part("front.transmission", size, table(Component::Transmission), &attribute),
+        part("front.direct", (tally.incident_cells(), 1), direct, &attribute),
     ];
     let window = IntegerBounds::from_dimensions(size);
     let image = Image::from_layers(ImageAttributes::new(window), parts.into_iter().collect::<Layers<_>>());
@@ -35,12 +32,13 @@ pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> 
 }
 
 /// One part: the grey channel and its standard error.
-fn part(name: &str, size: (usize, usize), estimates: &[Estimate], attribute: &str) -> Part {
-    let samples = |of: fn(&Estimate) -> f64| FlatSamples::F32(estimates.iter().map(|e| of(e) as f32).collect());
-    let channels = [
-        AnyChannel::new("Y", samples(|estimate| estimate.value)),
-        AnyChannel::new("stderr.Y", samples(|estimate| estimate.stderr)),
-    ];
+fn part(name: &str, size: (usize, usize), estimates: impl Iterator<Item = Estimate>, attribute: &str) -> Part {
+    let (values, errors): (Vec<f32>, Vec<f32>) =
+        estimates.map(|estimate| (estimate.value as f32, estimate.stderr as f32)).unzip();
+    let channels = [("Y", values), ("stderr.Y", errors)].map(|(name, samples)| AnyChannel {
+        quantize_linearly: false,
+        ..AnyChannel::new(name, FlatSamples::F32(samples))
+    });
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };

@@ -5,6 +5,7 @@ use super::summary::summary;
 use crate::error::{Error, Result};
 use crate::measure::Measurement;
 use crate::scene::Scene;
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -22,21 +23,29 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Make the folder if it is not there, and try to write into it.
+    /// See that the folder can be made and written to; it is there only once there is a result.
     ///
     /// # Errors
-    /// [`Error::Input`] when it holds a result and `force` is not set; [`Error::File`] when it cannot be written.
+    /// [`Error::Input`] when it holds a result and `force` is not set, or when a file or folder is in the way;
+    /// [`Error::File`] when it cannot be written.
     pub fn prepare(path: &Path, force: bool) -> Result<ResultFolder> {
+        let shown = path.display();
+        if path.symlink_metadata().is_ok() && !path.is_dir() {
+            return Err(Error::Input(format!("{shown} is not a folder: -o names the folder of the result")));
+        }
+        if let Some(file) = FILES.iter().find(|file| path.join(file).is_dir()) {
+            return Err(Error::Input(format!("{shown} holds a folder named {file}: -o names another folder")));
+        }
         if let (false, Some(file)) = (force, FILES.iter().find(|file| path.join(file).exists())) {
-            let path = path.display();
             let message =
-                format!("{path} holds a result already ({file}): --force replaces it, -o names another folder");
+                format!("{shown} holds a result already ({file}): --force replaces it, -o names another folder");
             return Err(Error::Input(message));
         }
-        let made = path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).last();
-        let folder = ResultFolder { path: path.into(), made: made.map(PathBuf::from), written: false };
-        std::fs::create_dir_all(path).map_err(|source| folder.failed(source))?;
+        let mut folder = ResultFolder { path: path.into(), made: None, written: false };
+        folder.make()?;
         folder.temporary()?;
+        // Leave nothing behind should the run be stopped.
+        folder.unmake();
         Ok(folder)
     }
 
@@ -50,6 +59,7 @@ impl ResultFolder {
     /// # Errors
     /// [`Error::File`] when a file cannot be written; then no file has changed.
     pub fn write(mut self, scene: &Scene, measurement: &Measurement) -> Result<()> {
+        self.make()?;
         let mut bsdf = self.temporary()?;
         write_bsdf(bsdf.as_file_mut(), scene, measurement).map_err(|source| self.failed(source))?;
         let mut text = self.temporary()?;
@@ -61,10 +71,29 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Make the folder and those that it lies in, and note the first that was missing.
+    fn make(&mut self) -> Result<()> {
+        let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        self.made = self.path.ancestors().take_while(missing).last().map(PathBuf::from);
+        std::fs::create_dir_all(&self.path).map_err(|source| self.failed(source))
+    }
+
+    /// Remove the folders that were made, from the innermost out, those that are empty.
+    fn unmake(&mut self) {
+        let Some(made) = self.made.take() else { return };
+        for folder in self.path.ancestors() {
+            // A folder that was not made, or that has something in it, is not removed.
+            let _ = std::fs::remove_dir(folder);
+            if folder == made {
+                break;
+            }
+        }
+    }
+
     fn temporary(&self) -> Result<NamedTempFile> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".fiberwalk-").permissions_of_plain_files();
-        builder.tempfile_in(&self.path).map_err(|source| self.failed(source))
+        // Temporary files are private; results are files like any other.
+        let made = tempfile::Builder::new().prefix(".fiberwalk-").make_in(&self.path, |path| File::create_new(path));
+        made.map_err(|source| self.failed(source))
     }
 
     fn failed(&self, source: std::io::Error) -> Error {
@@ -75,31 +104,8 @@ impl ResultFolder {
 impl Drop for ResultFolder {
     /// Take away the folders that were made for a result that did not come.
     fn drop(&mut self) {
-        if let (false, Some(made)) = (self.written, &self.made) {
-            // Folders are removed only while empty, from the innermost out; what does not go stays.
-            for folder in self.path.ancestors() {
-                if std::fs::remove_dir(folder).is_err() || folder == made {
-                    break;
-                }
-            }
+        if !self.written {
+            self.unmake();
         }
-    }
-}
-
-/// Temporary files are private; results are files like any other.
-trait Permissions {
-    fn permissions_of_plain_files(&mut self) -> &mut Self;
-}
-
-impl Permissions for tempfile::Builder<'_, '_> {
-    #[cfg(unix)]
-    fn permissions_of_plain_files(&mut self) -> &mut Self {
-        use std::os::unix::fs::PermissionsExt;
-        self.permissions(std::fs::Permissions::from_mode(0o666))
-    }
-
-    #[cfg(not(unix))]
-    fn permissions_of_plain_files(&mut self) -> &mut Self {
-        self
     }
 }

@@ -2,13 +2,13 @@
 
 use super::provenance::{degrees, runs};
 use crate::bsdf::{Estimate, Totals, hemispherical, totals};
-use crate::measure::Measurement;
+use crate::measure::{Measurement, peak_bytes};
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, peak_bytes } = measurement;
+    let Measurement { goniometer, tally, seconds } = measurement;
     let incident: Vec<Value> = (0..tally.incident_cells())
         .map(|cell| {
             let wi = goniometer.centre(cell);
@@ -31,7 +31,7 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "seconds": seconds,
         "walks_per_second": rate(tally.counts.launched),
         "collisions_per_second": rate(tally.counts.collisions),
-        "peak_bytes": peak_bytes,
+        "peak_bytes": peak_bytes(),
         "provenance": runs(measurement),
         "model": scene.model,
         "sides": { "front": {

@@ -6,10 +6,15 @@ use super::presets::{PRESETS, preset};
 use super::reader::{Document, Table, closest};
 use super::sheet::{Fiber, Sheet, read_fibers, read_sheet};
 use crate::error::{Error, Result};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 use toml::de::DeTable;
 
 const NOT_WOVEN: &str = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
+
+/// No cloth file is as long as this, in bytes.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A cloth file's text and where it came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,11 +44,29 @@ impl Source {
             let names = names.join(", ");
             return Err(Error::Input(format!("no cloth file or preset `{cloth}`{hint}; presets: {names}")));
         }
+        if path.is_dir() {
+            return Err(Error::Input(format!("{cloth} is a folder, not a cloth file")));
+        }
         let file = |source| Error::File { action: "read the cloth file", path: path.into(), source };
-        let text = std::fs::read_to_string(path).map_err(file)?;
+        let bytes = read(path).map_err(file)?;
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(Error::Input(format!("{cloth} is longer than {} KiB: not a cloth file", MAX_BYTES >> 10)));
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+            let document = Document { file: cloth.into(), source: &valid };
+            document.error(valid.len(), "a byte that is not UTF-8 text; save the file as UTF-8")
+        })?;
         let stem = path.file_stem().map_or_else(|| cloth.to_owned(), |stem| stem.to_string_lossy().into_owned());
         Ok(Source { file: cloth.into(), stem, text })
     }
+}
+
+/// The bytes of a file, and at most one too many.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// A checked cloth file: lengths in mm, angles in radians, every value finite and inside its range.

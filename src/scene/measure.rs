@@ -95,8 +95,8 @@ fn read_incident(value: &Value) -> Result<Incident> {
     let directions = items.iter().map(|item| {
         let pair = item.as_array().filter(|pair| pair.len() == 2);
         let pair = pair.ok_or_else(|| item.expected("a pair [theta, phi] in degrees"))?;
-        let theta = pair[0].number(Allowed::from(0.0, 89.9))?;
-        let phi = pair[1].number(Allowed::from(-360.0, 360.0))?;
+        let theta = pair[0].named("theta").number(Allowed::from(0.0, 89.9))?;
+        let phi = pair[1].named("phi").number(Allowed::from(-360.0, 360.0))?;
         Ok([theta.to_radians(), phi.to_radians()])
     });
     Ok(Incident::List(directions.collect::<Result<_>>()?))

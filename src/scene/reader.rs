@@ -28,7 +28,13 @@ impl Document<'_> {
 
     /// The parser's complaint about malformed TOML.
     pub fn malformed(&self, error: &toml::de::Error) -> Error {
-        let message = error.message().trim().replace('\n', "; ");
+        let message = match error.message().trim().replace('\n', "; ") {
+            // The parser says so of any missing or malformed value.
+            message if message.starts_with("string values must be quoted") => {
+                "expected one value after `=`: a number, a text in quotes, a list or a table".into()
+            }
+            message => message,
+        };
         self.error(error.span().map_or(0, |span| span.start), message)
     }
 }
@@ -136,6 +142,11 @@ impl<'a> Value<'a> {
         Value { document, name: name.into(), span: value.span(), value: value.get_ref() }
     }
 
+    /// The same value under another name.
+    pub fn named(&self, name: &str) -> Value<'a> {
+        Value { name: name.into(), span: self.span.clone(), ..*self }
+    }
+
     /// An error at this value.
     pub fn error(&self, message: impl Into<String>) -> Error {
         self.document.error(self.span.start, message)
@@ -222,7 +233,8 @@ impl<'a> Value<'a> {
 
 /// The word nearest to what was typed, if one is near.
 pub fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    let distance = |candidate: &&&str| strsim::damerau_levenshtein(word, candidate);
+    let lower = word.to_lowercase();
+    let distance = |candidate: &&&str| strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
     known.iter().min_by_key(distance).filter(|best| distance(best) <= 1 + word.len() / 4).copied()
 }
 

@@ -76,8 +76,11 @@ impl Sheet {
 }
 
 pub(super) fn read_fibers(table: &Table) -> Result<Vec<Fiber>> {
-    let fibers: Vec<Fiber> =
-        table.entries().map(|(name, value)| read_fiber(name, &value.table()?)).collect::<Result<_>>()?;
+    let read = |(name, value): (&str, Value)| match value.table() {
+        Ok(table) => read_fiber(name, &table),
+        Err(_) => Err(value.expected("a table: [fiber.NAME] describes a kind of fiber")),
+    };
+    let fibers: Vec<Fiber> = table.entries().map(read).collect::<Result<_>>()?;
     if fibers.is_empty() {
         return Err(table.error("the file needs at least one kind of fiber, [fiber.NAME]"));
     }

@@ -38,24 +38,18 @@ impl Place {
         std::fs::write(path, bytes).expect("a file can be written");
     }
 
-    /// Run the program and wait for it; stdin is empty.
-    pub fn run(&self, arguments: &[&str]) -> Outcome {
-        self.run_with(arguments, &[])
+    /// The program with its arguments, ready to start; stdin is empty.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_fiberwalk"));
+        command.args(arguments).current_dir(self.path("")).stdin(Stdio::null());
+        command.env("XDG_RUNTIME_DIR", self.home.path().join("runtime"));
+        command.env("TMPDIR", self.home.path().join("scratch"));
+        command
     }
 
-    /// Run it with more variables in its environment.
-    pub fn run_with(&self, arguments: &[&str], variables: &[(&str, &str)]) -> Outcome {
-        let output = Command::new(env!("CARGO_BIN_EXE_fiberwalk"))
-            .args(arguments)
-            .current_dir(self.path(""))
-            .env("XDG_RUNTIME_DIR", self.home.path().join("runtime"))
-            .env("TMPDIR", self.home.path().join("scratch"))
-            .envs(variables.iter().copied())
-            .stdin(Stdio::null())
-            .output()
-            .expect("the program can be started");
-        let text = |bytes| String::from_utf8(bytes).expect("the program writes UTF-8");
-        Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    /// Run the program and wait for it.
+    pub fn run(&self, arguments: &[&str]) -> Outcome {
+        finish(self.command(arguments))
     }
 
     /// Everything on disk that the program could have left, by its name: the bytes of a file, none for a folder.
@@ -66,6 +60,13 @@ impl Place {
         }
         found
     }
+}
+
+/// Start a command and wait for it.
+pub fn finish(mut command: Command) -> Outcome {
+    let output = command.output().expect("the program can be started");
+    let text = |bytes| String::from_utf8(bytes).expect("the program writes UTF-8");
+    Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
 fn collect(folder: &Path, found: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {

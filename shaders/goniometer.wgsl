@@ -25,7 +25,7 @@ fn exit_bin(m: vec3f, hits: u32) -> u32 {
     let cell = min(u32(place.y), last) * P.exit_n + min(u32(place.x), last);
     let scattered = select(P.exit_cells + cell, cell, m.z > 0.0);
     let bin = select(scattered, 2u * P.exit_cells, hits == 0u);
-    // Written so that what is not a number is lost.
-    let norm = dot(m, m);
-    return select(2u * P.exit_cells + 1u, bin, norm > 0.99 && norm < 1.01);
+    // Test the bits: a compiler may take it that no number is NaN. 0x3f7d70a4 is 0.99, 0x3f8147ae is 1.01.
+    let norm = bitcast<u32>(dot(m, m));
+    return select(2u * P.exit_cells + 1u, bin, norm > 0x3f7d70a4u && norm < 0x3f8147aeu);
 }

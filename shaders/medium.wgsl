@@ -8,7 +8,8 @@ override JITTER: bool = true;
 
 /// Distance along the ray to the next tentative event, in mm.
 fn free_path(word: u32) -> f32 {
-    return -log((f32(word) + 0.5) * 0x1p-32) * P.mean_free_path;
+    // The logarithm of a number just below 1 may come out above 0.
+    return max(-log((f32(word) + 0.5) * 0x1p-32), 0.0) * P.mean_free_path;
 }
 
 /// One entry of the direction table. Word w is its alias and threshold.

@@ -5,23 +5,40 @@ use fiberwalk::gpu::shader::Shader;
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use std::collections::BTreeSet;
 
-type Members = Vec<(String, usize)>;
+type Members = Vec<(String, usize, String)>;
 
-/// Members with their offsets, and the size, of a structure.
+/// A WGSL type as Rust spells its mirror.
+fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
+    let scalar = |scalar: naga::Scalar| match scalar.kind {
+        naga::ScalarKind::Float => "f32",
+        naga::ScalarKind::Uint => "u32",
+        _ => "a scalar that hosts do not share",
+    };
+    match module.types[ty].inner {
+        TypeInner::Scalar(kind) | TypeInner::Atomic(kind) => scalar(kind).into(),
+        TypeInner::Vector { size, scalar: kind } => format!("[{}; {}]", scalar(kind), size as u8),
+        _ => "a type that hosts do not share".into(),
+    }
+}
+
+/// Members with their offsets and types, and the size, of a structure.
 fn structure(module: &Module, name: &str) -> Option<(Members, usize)> {
     module.types.iter().find_map(|(_, ty)| match &ty.inner {
         TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
-            let members = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize));
-            Some((members.collect(), *span as usize))
+            let member = |m: &naga::StructMember| {
+                (m.name.clone().unwrap_or_default(), m.offset as usize, rust_type(module, m.ty))
+            };
+            Some((members.iter().map(member).collect(), *span as usize))
         }
         _ => None,
     })
 }
 
 /// How a structure of the module differs from its mirror.
-fn difference(module: &Module, name: &str, size: usize, fields: &[(&str, usize, usize)]) -> Option<String> {
+fn difference(module: &Module, name: &str, size: usize, fields: &[(&str, usize, usize, &str)]) -> Option<String> {
     let (members, span) = structure(module, name)?;
-    let mirror: Members = fields.iter().map(|(field, offset, _)| ((*field).to_owned(), *offset)).collect();
+    let mirror: Members =
+        fields.iter().map(|(field, offset, _, ty)| ((*field).to_owned(), *offset, (*ty).to_owned())).collect();
     if members != mirror {
         return Some(format!("{name}: WGSL has {members:?}, Rust has {mirror:?}"));
     }
@@ -69,6 +86,9 @@ fn a_moved_renamed_or_resized_field_is_noticed() {
     renamed[3].0 = "other";
     assert!(difference(&walk, name, size, &moved).is_some());
     assert!(difference(&walk, name, size, &renamed).is_some());
+    let mut retyped = fields.to_vec();
+    retyped[3].3 = "f32";
+    assert!(difference(&walk, name, size, &retyped).is_some());
     assert!(difference(&walk, name, size + 16, fields).is_some());
 }
 

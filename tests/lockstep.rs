@@ -5,7 +5,7 @@ mod common;
 
 use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
 use fiberwalk::gpu::Settings;
-use fiberwalk::measure::prepare;
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::{Replay, replay};
 use fiberwalk::walk::{WalkPlan, WalkRecord};
 
@@ -24,10 +24,11 @@ struct Comparison {
 /// Make walks on the device with `cloth`, and once more in f64 with `other`.
 fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
     let plan = WalkPlan::new(11, walks_per_cell);
-    let (_, tables, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
-    let (tally, records) = gpu().trace(Settings::default(), &tables, &goniometer, &plan).expect("the device works");
+    let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
+    let settings = Settings { walks_per_segment: Some(walks_per_cell / 2), ..Settings::default() };
+    let (tally, records) = gpu().trace(settings, &tables, &goniometer, &plan).expect("the device works");
     assert_ran(&tally, "gpu");
-    let (_, tables, goniometer) = prepare(&other.scene()).expect("the cloth is fine");
+    let Prepared { tables, goniometer, .. } = prepare(&other.scene()).expect("the cloth is fine");
     let cells = goniometer.incident_cells();
     let mut result = Comparison { walks: records.len(), differing: Vec::new(), agreeing: Vec::new() };
     let mut bins = vec![0; tally.bins.len()];
@@ -43,6 +44,9 @@ fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
         bins[cell * tally.layout.stride() + record.bin as usize] += 1u64;
     }
     assert_eq!(bins, tally.bins, "the records are the walks that were counted");
+    let sum = |of: fn(&WalkRecord) -> u32| records.iter().map(|record| u64::from(of(record))).sum::<u64>();
+    assert_eq!(tally.counts.tentative_events, sum(|record| record.events));
+    assert_eq!(tally.counts.collisions, sum(|record| record.hits));
     result
 }
 

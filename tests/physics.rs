@@ -270,3 +270,39 @@ fn the_cap_on_chords_cuts_off_as_little_as_the_readme_says() {
     let isotropic: f64 = (0..400).map(at).sum();
     assert!(isotropic > 1e-11 && isotropic < 2e-10, "{isotropic:e}");
 }
+
+/// z of direct light through a bundle that is spread by `spread` degrees, against quadrature of the cone of 8 degrees.
+fn spread_z(name: &str, engine: &dyn Engine, spread: f64) -> Vec<f64> {
+    let walks = 1_000_000;
+    let orientation = format!("{}\nspread_deg = {spread}", aligned(AXIS));
+    let cloth = Cloth { directions: 65536, ..direct_cloth(&orientation) };
+    let tally = cloth.run(engine, &WalkPlan::new(7, walks));
+    assert_ran(&tally, name);
+    let (axis, half) = (DVec3::from(AXIS).normalize(), 8f64.to_radians());
+    let (e1, e2) = axis.any_orthonormal_pair();
+    let steps = 200;
+    let middle = |i: i32| (f64::from(i) + 0.5) / f64::from(steps);
+    let z = |(cell, angles): (usize, &[f64; 2])| {
+        let wi = from_degrees(*angles);
+        // Equal solid angles are equal steps of the cosine.
+        let sines = (0..steps * steps).map(|i| {
+            let cosine = 1.0 - middle(i / steps) * (1.0 - half.cos());
+            let (sin, cos) = (middle(i % steps) * TAU).sin_cos();
+            wi.cross(axis * cosine + (e1 * cos + e2 * sin) * (1.0 - cosine * cosine).sqrt()).length()
+        });
+        let h = 2.0 * 0.01 * 40.0 * sines.sum::<f64>() / f64::from(steps * steps);
+        binomial_z(tally.direct(cell), walks, (-h / wi.z).exp())
+    };
+    ANGLES.iter().enumerate().map(z).collect()
+}
+
+#[test]
+fn a_spread_bundle_fills_its_cone_by_solid_angle() {
+    for (name, engine) in engines() {
+        let z = spread_z(name, engine, 8.0);
+        assert!(z.iter().all(|z| z.abs() < GATE), "{name}: z = {z:.1?}");
+        let bent = spread_z(name, engine, 21.0);
+        println!("{name}, spread of 21 for 8: z = {bent:.1?}");
+        assert!(bent.iter().any(|z| z.abs() > GATE), "{name}: z = {bent:.1?}");
+    }
+}

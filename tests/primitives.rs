@@ -6,7 +6,7 @@ mod common;
 use common::tracer::Trace;
 use common::{Cloth, ISOTROPIC, PLANAR, SplitMix, aligned, gpu};
 use fiberwalk::gpu::{Probe, ProbeInput};
-use fiberwalk::measure::prepare;
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::optics::{Encounter, reflectance};
 use fiberwalk::walk::{EventDraws, Purpose, draw, start_draws, threefry};
 use glam::{DVec2, DVec3};
@@ -39,7 +39,7 @@ fn rounded(v: DVec3) -> DVec3 {
 
 /// Call a probe on a cloth.
 fn probe(cloth: &Cloth, in_texture: bool, entry: &str, inputs: &[ProbeInput]) -> Vec<[u32; 4]> {
-    let (_, tables, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let mut probe = Probe::new(gpu(), &tables, &goniometer);
     probe.table_in_texture = in_texture;
     probe.call(entry, inputs).expect("the device works")
@@ -64,7 +64,7 @@ fn random_words_are_bit_exact() {
 #[test]
 fn free_path_is_the_exponential_of_the_contract() {
     let cloth = Cloth::isotropic(4.0);
-    let (_, tables, _) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { tables, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let mut random = SplitMix(2);
     let mut inputs: Vec<ProbeInput> =
         (0..CALLS).map(|_| ProbeInput { a: words(&mut random), ..Default::default() }).collect();
@@ -93,7 +93,7 @@ fn draw_fiber_takes_the_same_entry_and_direction_from_uniforms_and_textures() {
     let inputs: Vec<ProbeInput> =
         (0..CALLS).map(|_| ProbeInput { a: words(&mut random), ..Default::default() }).collect();
     for (cloth, in_texture) in [(&mixed, false), (&mixed, true), (&odd_grid, false), (&large, true)] {
-        let (_, tables, _) = prepare(&cloth.scene()).expect("the cloth is fine");
+        let Prepared { tables, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
         for (input, output) in inputs.iter().zip(probe(cloth, in_texture, "probe_draw_fiber", &inputs)) {
             let draws = EventDraws::new(input.a);
             let entry = tables.alias.draw(draws.entry);
@@ -110,7 +110,7 @@ fn start_direction_is_where_the_goniometer_says() {
     let mut random = SplitMix(4);
     for incident in ["8", "7", "[[30, 20], [60, 100], [89.9, -75]]"] {
         let cloth = Cloth::isotropic(1.0).lit_from(incident);
-        let (_, _, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+        let Prepared { goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
         let cells = goniometer.incident_cells();
         let inputs: Vec<ProbeInput> = (0..CALLS)
             .map(|i| ProbeInput { a: words(&mut random), b: [(i % cells) as u32, 0, 0, 0], c: [0; 4] })
@@ -129,7 +129,7 @@ fn start_direction_is_where_the_goniometer_says() {
 fn exit_bin_is_the_cell_of_the_goniometer() {
     let mut random = SplitMix(5);
     let cloth = Cloth { exit: 13, ..Cloth::isotropic(1.0) };
-    let (_, _, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let directions: Vec<DVec3> = (0..CALLS).map(|_| rounded(random.direction())).collect();
     let input = |(i, m): (usize, &DVec3)| ProbeInput { a: bits(*m, 0.0), b: [(i % 3) as u32, 0, 0, 0], c: [0; 4] };
     let inputs: Vec<ProbeInput> = directions.iter().enumerate().map(input).collect();
@@ -149,7 +149,7 @@ fn exit_bin_is_the_cell_of_the_goniometer() {
 #[test]
 fn what_is_not_a_unit_vector_is_lost() {
     let cloth = Cloth::isotropic(1.0);
-    let (_, _, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let vectors =
         [[f32::NAN; 3], [0.0; 3], [f32::INFINITY, 0.0, 0.0], [0.0, 0.0, 1.1], [0.5, f32::NAN, 0.5], [0.0, 0.0, 1.0]];
     let inputs =
@@ -262,7 +262,7 @@ fn scatter_sends_light_where_the_tracer_does() {
 
 #[test]
 fn the_middle_of_the_disc_has_a_cell() {
-    let goniometer = prepare(&Cloth::isotropic(1.0).scene()).expect("the cloth is fine").2;
+    let goniometer = prepare(&Cloth::isotropic(1.0).scene()).expect("the cloth is fine").goniometer;
     assert_eq!(goniometer.exit.cell_of(DVec2::ZERO), 8 * 16 + 8);
     let input = ProbeInput { a: bits(DVec3::Z, 0.0), b: [1; 4], c: [0; 4] };
     assert_eq!(probe(&Cloth::isotropic(1.0), false, "probe_exit_bin", &[input])[0][0], 8 * 16 + 8);

@@ -20,7 +20,7 @@ orientation = "isotropic"
 const FEW: [&str; 4] = ["--walks", "10", "--engine", "cpu"];
 /// What hides every Vulkan driver from the loader.
 const NO_DRIVER: [(&str, &str); 2] = [("VK_DRIVER_FILES", "/nonexistent"), ("VK_ICD_FILENAMES", "/nonexistent")];
-const NO_ADAPTER: &str = "the gpu engine needs a Vulkan, Metal or DX12 driver, but no adapter was found; on Debian-like \
+const NO_ADAPTER: &str = "the gpu engine needs a Vulkan, Metal or DX12 driver with the default limits of WebGPU, but no adapter was found; on Debian-like \
                           systems the packages mesa-vulkan-drivers and libvulkan1 bring a software adapter";
 const INCIDENT: &str =
     "the N of an N×N disc basis, a whole number from 1 to 64, or a list of directions [[theta, phi], …]";
@@ -366,7 +366,7 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
 
 #[test]
 fn a_table_too_large_is_refused_and_a_large_one_works() {
-    let most = "4096 incident cells with 65536 exit cells on each side take 4097 MiB, allowed: 1024 MiB; \
+    let most = "4096 incident cells with 65536 exit cells on each side take about 8705 MiB of memory, allowed: 4096 MiB; \
                 lower `incident` or `exit`";
     refuse_arguments(2, &[(&["--incident", "64", "--exit", "256"], most)]);
     let fine = [&["measure", "nonwoven", "--incident", "64", "--exit", "8", "--quiet"], &FEW[..]].concat();

@@ -3,16 +3,16 @@
 mod common;
 
 use common::stats::{GATE, binomial_z};
-use common::{Cloth, PLANAR, aligned, assert_ran, engines, gpu};
+use common::{Cloth, aligned, assert_ran, engines, gpu};
 use fiberwalk::Error;
 use fiberwalk::goniometer::Tally;
 use fiberwalk::gpu::{Report, Settings};
-use fiberwalk::measure::prepare;
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::walk::WalkPlan;
 
 /// Run on the device in a given cut.
 fn cut(cloth: &Cloth, plan: &WalkPlan, settings: Settings) -> (Tally, Report) {
-    let (_, tables, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let result = gpu().run_with(settings, &tables, &goniometer, plan, &mut |_| {});
     result.unwrap_or_else(|error| panic!("{settings:?}: {error}"))
 }
@@ -45,6 +45,21 @@ fn the_tally_does_not_depend_on_how_the_work_is_cut() {
 }
 
 #[test]
+fn settings_that_no_device_can_do_are_refused() {
+    let Prepared { tables, goniometer, .. } = prepare(&Cloth::isotropic(1.0).scene()).expect("the cloth is fine");
+    let wrong = [
+        Settings { workgroup: Some(512), ..Settings::default() },
+        Settings { workgroup: Some(64), lanes: Some(100), ..Settings::default() },
+        Settings { budget: Some(0), ..Settings::default() },
+        Settings { flush_every: Some(0), ..Settings::default() },
+    ];
+    for settings in wrong {
+        let result = gpu().run_with(settings, &tables, &goniometer, &WalkPlan::new(1, 10), &mut |_| {});
+        assert!(matches!(result, Err(Error::Device { .. })), "{settings:?}");
+    }
+}
+
+#[test]
 fn walks_go_on_over_more_than_a_hundred_dispatches() {
     let cloth = Cloth::isotropic(4.0);
     let plan = WalkPlan::new(33, 2000);
@@ -74,13 +89,15 @@ fn bins_carry_past_two_to_the_32() {
     for preset in [u32::MAX, u32::MAX - 20, u32::MAX - 1000] {
         let settings = Settings { bins_preset: preset, walks_per_segment: Some(1000), ..Settings::default() };
         assert_eq!(cut(&cloth, &plan, settings).0, plain, "bins preset at {preset}");
+        let settings = Settings { sums_preset: preset, walks_per_segment: Some(1000), ..Settings::default() };
+        assert_eq!(cut(&cloth, &plan, settings).0, plain, "sums preset at {preset}");
     }
 }
 
 #[test]
 fn a_run_that_misses_walks_is_an_error() {
     let cloth = Cloth::isotropic(1.0).lit_from("2");
-    let (_, tables, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let settings = Settings { withheld_blocks: 3, ..Settings::default() };
     let plan = WalkPlan { max_events: 1 << 16, ..WalkPlan::new(36, 5000) };
     let error = gpu().run_with(settings, &tables, &goniometer, &plan, &mut |_| {}).expect_err("walks are missing");
@@ -144,7 +161,7 @@ fn extreme_sheets_are_measured_and_close_their_accounts() {
     let horizontal = Cloth::new(100.0, &aligned([1.0, 0.0, 0.0]));
     // Rounding grows from hit to hit, so walks of hundreds of hits differ in more cases.
     let cases = [
-        ("hardly any fiber", 2e-3, Cloth::new(1e-6, PLANAR)),
+        ("hardly any fiber", 2e-3, Cloth::isotropic(1e-3)),
         ("very deep", 5e-2, Cloth { exit: 4, thickness_um: 1e4, ..Cloth::isotropic(6.0) }.lit_from("[[60, 10]]")),
         ("high index", 2e-3, Cloth { ior: 4.0, ..Cloth::isotropic(2.0) }),
         ("grazing light", 2e-3, Cloth::isotropic(0.01).lit_from("[[89.9, 45], [89.9, 90], [89.9, 0]]")),

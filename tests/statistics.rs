@@ -5,7 +5,7 @@ mod common;
 use common::stats::{GATE, two_tally_z};
 use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
 use fiberwalk::bsdf::{Component, Estimate, values};
-use fiberwalk::measure::prepare;
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::Reference;
 use fiberwalk::walk::WalkPlan;
 
@@ -49,7 +49,7 @@ fn a_bent_index_is_a_different_bsdf() {
 fn calibration(walks: u64, reported: u64) -> (f64, f64) {
     const SEEDS: u64 = 100;
     let cloth = Cloth::isotropic(2.0).lit_from("[[35, 20]]");
-    let (_, _, goniometer) = prepare(&cloth.scene()).expect("the cloth is fine");
+    let Prepared { goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let table = |seed, walks| -> Vec<Estimate> {
         let tally = cloth.run(gpu(), &WalkPlan::new(seed, walks));
         assert_ran(&tally, "gpu");

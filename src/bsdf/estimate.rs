@@ -71,11 +71,23 @@ pub fn noise(tally: &Tally) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::goniometer::{BinLayout, Origin};
 
     #[test]
     fn an_empty_cell_has_the_error_of_one_walk() {
         assert_eq!(probability(0, 1000), Estimate { value: 0.0, stderr: 1e-3 });
         assert_eq!(probability(1000, 1000), Estimate { value: 1.0, stderr: 1e-3 });
+    }
+
+    #[test]
+    fn noise_is_the_error_of_the_scattered_light() {
+        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let mut tally = Tally::new(origin, BinLayout { exit_cells: 2 }, 1);
+        assert_eq!(noise(&tally), f64::INFINITY);
+        // Shares 0.3 and 0.1 of 100 walks; the rest is direct.
+        tally.bins = vec![30, 0, 10, 0, 60, 0];
+        let expected = ((0.3 * 0.7 + 0.1 * 0.9) / 99.0 / (0.09 + 0.01f64)).sqrt();
+        assert!((noise(&tally) - expected).abs() < 1e-15, "{}", noise(&tally));
     }
 
     #[test]

@@ -34,24 +34,27 @@ pub fn totals(tally: &Tally, cell: usize) -> Totals {
 /// The mean over all incident cells by projected solid angle; none for listed directions.
 pub fn hemispherical(tally: &Tally, goniometer: &Goniometer) -> Option<Totals> {
     let Incidence::Disc(disc) = &goniometer.incidence else { return None };
-    let cells = disc.cells() as f64;
-    let mut mean = Totals::default();
-    for cell in 0..disc.cells() {
-        let part = totals(tally, cell);
-        let add = |sum: &mut Estimate, part: Estimate| {
-            sum.value += part.value / cells;
-            // Add variances here; the root is taken below.
-            sum.stderr += (part.stderr / cells).powi(2);
-        };
-        add(&mut mean.reflectance, part.reflectance);
-        add(&mut mean.transmittance, part.transmittance);
-        add(&mut mean.direct, part.direct);
-        mean.lost += part.lost / cells;
-    }
-    for sum in [&mut mean.reflectance, &mut mean.transmittance, &mut mean.direct] {
-        sum.stderr = sum.stderr.sqrt();
-    }
-    Some(mean)
+    let parts: Vec<Totals> = (0..disc.cells()).map(|cell| totals(tally, cell)).collect();
+    let cells = parts.len() as f64;
+    let walks = tally.walks_per_incident as f64;
+    let mean = |of: fn(&Totals) -> Estimate| {
+        let value = parts.iter().map(|part| of(part).value).sum::<f64>() / cells;
+        if value == 0.0 || value == 1.0 {
+            // Nothing or everything of all walks: the error of one of them.
+            return Estimate { value, stderr: 1.0 / (walks * cells) };
+        }
+        // Variances add; a cell that saw nothing or everything has none of its own.
+        let own = |share: f64| share * (1.0 - share) / (walks - 1.0).max(1.0);
+        let variance = parts.iter().map(|part| own(of(part).value)).sum::<f64>() / (cells * cells);
+        Estimate { value, stderr: variance.sqrt() }
+    };
+    Some(Totals {
+        reflectance: mean(|part| part.reflectance),
+        transmittance: mean(|part| part.transmittance),
+        direct: mean(|part| part.direct),
+        absorptance: Estimate::default(),
+        lost: parts.iter().map(|part| part.lost).sum::<f64>() / cells,
+    })
 }
 
 #[cfg(test)]
@@ -74,5 +77,11 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12);
         let one = totals(&tally, 0).reflectance.stderr;
         assert!((mean.reflectance.stderr - one / 2.0).abs() < 1e-12);
+        // Nothing in any cell: one walk of all, not of a cell.
+        for cell in 0..4 {
+            tally.bins[4 * cell + 2] = 0;
+        }
+        let mean = hemispherical(&tally, &goniometer).expect("a disc has a mean");
+        assert_eq!(mean.direct, Estimate { value: 0.0, stderr: 1.0 / 400.0 });
     }
 }

@@ -2,7 +2,7 @@
 
 use super::print;
 use fiberwalk::gpu::{AdapterSummary, Gpu, Kind, list};
-use fiberwalk::measure::{EngineChoice, choose, self_test};
+use fiberwalk::measure::self_test;
 use fiberwalk::reference::Reference;
 use fiberwalk::walk::Engine;
 use fiberwalk::{Error, Result};
@@ -11,32 +11,35 @@ use std::time::Instant;
 /// List adapters with their limits, and check that each engine gives right answers on this machine
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Only adapters with this in their name, and not the cpu engine
+    /// Only this adapter: its number, its name, or a part of its description
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
 /// Run the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let wanted = arguments.adapter.as_ref().map(|name| name.to_lowercase());
     let mut failures = Vec::new();
-    let mut shown = 0;
-    for (place, adapter) in list().iter().enumerate() {
-        if wanted.as_ref().is_none_or(|name| adapter.name.to_lowercase().contains(name)) {
-            shown += 1;
-            print(&format!("gpu  {}\n", describe(adapter)))?;
-            check(&adapter.name, Gpu::open_listed(place), &mut failures)?;
+    let adapters = list();
+    let wanted = match &arguments.adapter {
+        Some(name) => Some(Gpu::open(Some(name))?.adapter()),
+        None => None,
+    };
+    for (place, adapter) in adapters.iter().enumerate() {
+        if wanted.as_ref().is_some_and(|wanted| *wanted != adapter.description) {
+            continue;
         }
-    }
-    if wanted.is_some() && shown == 0 {
-        // Let the search itself say what there is.
-        choose(EngineChoice::Gpu, arguments.adapter.as_deref())?;
+        let number = (place + 1).to_string();
+        print(&format!("gpu {number}  {}\n", describe(adapter)))?;
+        match &adapter.unfit {
+            Some(why) => print(&format!("     cannot be used: {why}\n"))?,
+            None => check(&adapter.name, Gpu::open(Some(&number)), &mut failures)?,
+        }
     }
     if wanted.is_none() {
-        if shown == 0 {
-            print("gpu  no adapter with the default limits of WebGPU\n")?;
+        if adapters.is_empty() {
+            print("gpu    no adapter\n")?;
         }
-        print(&format!("cpu  {}\n", Reference.adapter()))?;
+        print(&format!("cpu    {}\n", Reference.adapter()))?;
         check("cpu", Ok(Reference), &mut failures)?;
     }
     if failures.is_empty() { Ok(()) } else { Err(Error::Failed(failures.join("; "))) }

@@ -9,10 +9,13 @@ use fiberwalk::walk::WalkPlan;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Walks that are allowed in one run, in all: walk ids have 64 bits, counts of a run stay far below.
 const MAX_WALKS: u64 = 1 << 48;
+
+/// Time between two lines of progress where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr and summary.json
 #[derive(clap::Args)]
@@ -28,7 +31,7 @@ pub struct Arguments {
     /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     engine: Choice,
-    /// Adapter by a part of its name (see `fiberwalk engines`)
+    /// Adapter by its number, its name or a part of its description (see `fiberwalk engines`)
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Seed of the random numbers
@@ -84,8 +87,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // Check everything that can be wrong before the first walk.
     let source = Source::find(&arguments.cloth)?;
     let scene = arguments.apply(Scene::parse(&source)?)?;
-    let (specific_length, tables, goniometer) = prepare(&scene)?;
-    let cells = goniometer.incident_cells() as u64;
+    let prepared = prepare(&scene)?;
+    let cells = prepared.goniometer.incident_cells() as u64;
     if arguments.walks > MAX_WALKS / cells {
         let most = MAX_WALKS / cells;
         return Err(Error::Input(format!(
@@ -103,28 +106,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let engine = choose(choice, arguments.adapter.as_deref())?;
     note(&format!("{}: {}", source.file, scene.name));
     note(&format!(
-        "medium: optical depth at most {:.1}, fibers fill {:.3}",
-        tables.depth(),
-        scene.sheet.volume_fraction(&scene.fibers)
+        "medium: optical depth at most {:.1}, fibers fill {:.3}{}",
+        prepared.tables.depth(),
+        scene.sheet.volume_fraction(&scene.fibers),
+        scene.sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default()
     ));
-    if specific_length.spread_error > 0.0 {
+    if prepared.specific_length.spread_error > 0.0 {
         note(&format!(
-            "directions: a grid of {} smears the spread bundles; H is off by at most {:.2} %",
+            "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
             scene.model.directions,
-            100.0 * specific_length.spread_error
+            100.0 * prepared.specific_length.spread_error
         ));
     }
     note(&format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
 
-    let bar = if arguments.quiet { ProgressBar::hidden() } else { progress_bar(arguments.walks * cells) };
     let plan = WalkPlan::new(arguments.seed, arguments.walks);
-    let measurement = measure(&scene, &engine, &plan, started, &mut |progress| show_progress(&bar, progress))?;
-    bar.finish_and_clear();
+    let mut watch = Watch::new(arguments.walks * cells);
+    let mut show = |progress| watch.show(progress);
+    let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
+    let measurement = measure(&prepared, &engine, &plan, started, progress)?;
+    watch.bar.finish_and_clear();
 
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
-    print(&format!("{}{}\n{files}", totals_table(&measurement), speed(&measurement)))
+    print(&format!("{}{}\n{files}", totals_table(&scene, &measurement), speed(&measurement)))
 }
 
 impl Arguments {
@@ -144,16 +150,31 @@ impl Arguments {
     }
 }
 
-fn progress_bar(walks: u64) -> ProgressBar {
-    let template = "{bar:30} {percent}% {msg}, {eta} left";
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(walks).with_style(style)
+/// Shows how far a run has come: a bar on a terminal, now and then a line elsewhere.
+struct Watch {
+    bar: ProgressBar,
+    line_due: Instant,
 }
 
-fn show_progress(bar: &ProgressBar, progress: Progress) {
-    bar.set_position(progress.walks);
-    let rate = progress.walks as f64 / bar.elapsed().as_secs_f64();
-    bar.set_message(format!("{rate:.2e} walks/s, noise {:.1} %", 100.0 * progress.noise));
+impl Watch {
+    fn new(walks: u64) -> Watch {
+        let template = "{bar:30} {percent}% {msg}, {eta} left";
+        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        Watch { bar: ProgressBar::new(walks).with_style(style), line_due: Instant::now() + LINE_EVERY }
+    }
+
+    fn show(&mut self, progress: Progress) {
+        let rate = progress.walks as f64 / self.bar.elapsed().as_secs_f64();
+        let message = format!("{rate:.2e} walks/s, noise {:.1} %", 100.0 * progress.noise);
+        if self.bar.is_hidden() && Instant::now() >= self.line_due {
+            self.line_due += LINE_EVERY;
+            let share = progress.walks as f64 / progress.planned as f64;
+            let left = (progress.planned - progress.walks) as f64 / rate;
+            eprintln!("{:.0} % done, {message}, {left:.0} s left", 100.0 * share);
+        }
+        self.bar.set_position(progress.walks);
+        self.bar.set_message(message);
+    }
 }
 
 fn speed(measurement: &Measurement) -> String {

@@ -2,6 +2,7 @@
 
 use fiberwalk::bsdf::{Estimate, Totals, hemispherical, totals};
 use fiberwalk::measure::Measurement;
+use fiberwalk::scene::{Incident, Scene};
 use std::fmt::Write;
 
 /// A value with its standard error, both to the error's second digit.
@@ -28,11 +29,14 @@ pub fn grouped(count: u64) -> String {
 }
 
 /// Where the light goes: over the hemisphere and near 0, 30 and 60 degrees, or for each listed direction.
-pub fn totals_table(measurement: &Measurement) -> String {
+pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, .. } = measurement;
-    let angles = |cell: usize| {
-        let wi = goniometer.centre(cell);
-        (wi.z.clamp(-1.0, 1.0).acos().to_degrees(), wi.y.atan2(wi.x).to_degrees())
+    let angles = |cell: usize| -> (f64, f64) {
+        let [theta, phi] = match &scene.measure.incident {
+            Incident::List(angles) => angles[cell],
+            Incident::Disc(_) => goniometer.angles(cell),
+        };
+        (theta.to_degrees(), phi.to_degrees())
     };
     let mut rows = Vec::new();
     let mut cells: Vec<usize> = match hemispherical(tally, goniometer) {

@@ -27,6 +27,11 @@ impl DirectionGrid {
         (along(square.y) * self.n + along(square.x)) as usize
     }
 
+    /// An angle that hardly any cell exceeds from edge to edge.
+    pub fn cell_angle(&self) -> f64 {
+        3.0 / f64::from(self.n)
+    }
+
     /// The largest length of which the extents of cells and horizon segments are whole multiples.
     pub fn unit(&self) -> f64 {
         1.0 / f64::from(SEGMENTS * self.n)

@@ -9,8 +9,10 @@ use std::f64::consts::{PI, TAU};
 
 /// Points that stand for the directions of a spread bundle.
 const CONE_POINTS: u32 = 1 << 16;
-/// Ray directions at which the error of H is looked at.
-const RAY_POINTS: u32 = 256;
+/// One in so many of such points is a ray at which the error of H is looked at: 256 of all, 256 near the bundle.
+const RAY_STEP: usize = (CONE_POINTS / 256) as usize;
+/// Directions that agree to this are one direction.
+const EXACT: f64 = 1e-6;
 
 /// Fibers of one kind whose directions are uniform over one patch of E⁺.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +32,7 @@ pub struct SpecificLength {
     pub grid: DirectionGrid,
     /// The bundles; entries of equal patch and kind are merged.
     pub bundles: Vec<Bundle>,
-    /// Largest |H(tabulated) − H(stated)| of any spread bundle over rays m, relative to its largest H.
+    /// Largest |H(tabulated) − H(stated)| found of any spread bundle over rays m, relative to its largest H.
     pub spread_error: f64,
 }
 
@@ -43,13 +45,17 @@ impl SpecificLength {
             let parts = match fibers.orientation {
                 Orientation::Isotropic => evenly(grid.cells().collect()),
                 Orientation::Planar => evenly(horizon().collect()),
-                Orientation::Aligned { axis, spread: 0.0 } => {
+                Orientation::Aligned { axis, spread } if spread.sin() <= EXACT => {
                     evenly(vec![Patch { corner: square_of(axis), extent: DVec2::ZERO }])
                 }
                 Orientation::Aligned { axis, spread } => {
                     let cone: Vec<DVec3> = cone_points(axis, spread).collect();
                     let parts = smear(&cone, grid);
-                    result.spread_error = result.spread_error.max(visible_area_error(&parts, &cone));
+                    // Look along the bundle too: there H is least and the smear shows most.
+                    let near = cone_points(axis, (spread + 2.0 * grid.cell_angle()).min(PI / 2.0));
+                    let rays = cone_points(DVec3::Z, PI / 2.0).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
+                    let error = visible_area_error(&parts, &cone, rays.chain([axis]));
+                    result.spread_error = result.spread_error.max(error);
                     parts
                 }
             };
@@ -101,7 +107,7 @@ fn smear(cone: &[DVec3], grid: DirectionGrid) -> Vec<(Patch, f64)> {
 }
 
 /// Largest error of ⟨|m × p|⟩ over rays m, relative to its largest value.
-fn visible_area_error(parts: &[(Patch, f64)], cone: &[DVec3]) -> f64 {
+fn visible_area_error(parts: &[(Patch, f64)], cone: &[DVec3], rays: impl Iterator<Item = DVec3>) -> f64 {
     let within = [0.125, 0.375, 0.625, 0.875];
     let tabulated: Vec<(DVec3, f64)> = parts
         .iter()
@@ -113,7 +119,7 @@ fn visible_area_error(parts: &[(Patch, f64)], cone: &[DVec3]) -> f64 {
     let stated = cone.iter().step_by(16);
     let count = stated.len() as f64;
     let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
-    for m in cone_points(DVec3::Z, PI / 2.0).step_by((CONE_POINTS / RAY_POINTS) as usize) {
+    for m in rays {
         let truth: f64 = stated.clone().map(|p| m.cross(*p).length()).sum::<f64>() / count;
         let table: f64 = tabulated.iter().map(|(p, share)| m.cross(*p).length() * share).sum();
         worst = worst.max((truth - table).abs());

@@ -97,6 +97,12 @@ impl Goniometer {
         }
     }
 
+    /// θ and φ of the middle of an incident cell in radians, φ in (−π, π].
+    pub fn angles(&self, cell: usize) -> [f64; 2] {
+        let wi = self.centre(cell);
+        [wi.z.clamp(-1.0, 1.0).acos(), wi.y.atan2(wi.x)]
+    }
+
     /// wi in the middle of an incident cell.
     pub fn centre(&self, cell: usize) -> DVec3 {
         self.start_direction(cell, DVec2::splat(0.5))

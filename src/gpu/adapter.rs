@@ -26,63 +26,86 @@ pub struct AdapterSummary {
     pub kind: Kind,
     /// Its limits.
     pub limits: Limits,
+    /// Why it cannot be used, if so: it keeps less than the default limits.
+    pub unfit: Option<String>,
 }
 
-/// All adapters, the best first.
+/// All adapters, the best first, those that cannot be used last.
 pub fn list() -> Vec<AdapterSummary> {
     adapters().iter().map(summary).collect()
 }
 
-/// The best adapter that fits; `name` is part of its name, in any case.
-pub(super) fn find(name: Option<&str>) -> Result<Adapter> {
+/// The adapters to try, in this order: all that are fit, or the one that `name` means.
+///
+/// A name is the adapter's number in [`list`] from 1, its whole name, or a part of its description, in any case.
+pub(super) fn find(name: Option<&str>) -> Result<Vec<Adapter>> {
     let adapters = adapters();
-    let names: Vec<String> = adapters.iter().map(|adapter| summary(adapter).name).collect();
-    let fits = |adapter: &Adapter| {
-        let known = adapter.get_info().name.to_lowercase();
-        name.is_none_or(|name| known.contains(&name.to_lowercase()))
+    let Some(name) = name else {
+        let fit: Vec<Adapter> = adapters.into_iter().filter(|adapter| summary(adapter).unfit.is_none()).collect();
+        return if fit.is_empty() { Err(none()) } else { Ok(fit) };
     };
-    let found = adapters.into_iter().find(fits);
-    found.ok_or_else(|| match name {
-        _ if names.is_empty() => Error::Device {
-            needed: "the gpu engine needs a Vulkan, Metal or DX12 driver".into(),
-            found: format!("no adapter was found; {ADVICE}"),
-        },
-        Some(name) => Error::Device {
-            needed: format!("an adapter named `{name}` was asked for"),
-            found: format!("there is only: {}", names.join(", ")),
-        },
-        None => unreachable!("without a name the first adapter fits"),
-    })
+    if adapters.is_empty() {
+        return Err(none());
+    }
+    let summaries: Vec<AdapterSummary> = adapters.iter().map(summary).collect();
+    let same = |text: &str| text.to_lowercase() == name.to_lowercase();
+    let part = |text: &str| text.to_lowercase().contains(&name.to_lowercase());
+    let places = |fits: &dyn Fn(&AdapterSummary) -> bool| -> Vec<usize> {
+        (0..summaries.len()).filter(|&place| fits(&summaries[place])).collect()
+    };
+    let numbered: Option<usize> = name.parse().ok().filter(|number| (1..=summaries.len()).contains(number));
+    let found = match numbered {
+        Some(number) => vec![number - 1],
+        None => Some(places(&|known| same(&known.name)))
+            .filter(|places| !places.is_empty())
+            .unwrap_or_else(|| places(&|known| part(&known.description))),
+    };
+    if let [place] = found[..] {
+        return Ok(adapters.into_iter().skip(place).take(1).collect());
+    }
+    let numbered = |place: usize| format!("{} {}", place + 1, summaries[place].description);
+    let (needed, shown) = if found.is_empty() {
+        (format!("an adapter named `{name}` was asked for"), "there is only".to_owned())
+    } else {
+        (format!("one adapter named `{name}` was asked for"), format!("there are {}", found.len()))
+    };
+    let candidates = if found.is_empty() { (0..summaries.len()).collect() } else { found };
+    let list: Vec<String> = candidates.into_iter().map(numbered).collect();
+    Err(Error::Device { needed, found: format!("{shown}: {}", list.join("; ")) })
 }
 
-/// The adapter at a place of [`list`].
-pub(super) fn at(place: usize) -> Result<Adapter> {
-    adapters()
-        .into_iter()
-        .nth(place)
-        .ok_or_else(|| Error::Device { needed: "an adapter was listed".into(), found: "it is no longer there".into() })
+fn none() -> Error {
+    Error::Device {
+        needed: "the gpu engine needs a Vulkan, Metal or DX12 driver with the default limits of WebGPU".into(),
+        found: format!("no adapter was found; {ADVICE}"),
+    }
 }
 
 /// Describe an adapter.
 pub(super) fn summary(adapter: &Adapter) -> AdapterSummary {
     let info = adapter.get_info();
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+    let limits = adapter.limits();
+    let mut unfit = None;
+    Limits::default().check_limits_with_fail_fn(&limits, true, |limit, needed, found| {
+        unfit = Some(format!("{limit} is {found}, but must be {needed}"));
+    });
     AdapterSummary {
         description: format!("{}, {}, {}", info.name, info.backend, driver.trim()),
         name: info.name,
         kind: if info.device_type == DeviceType::Cpu { Kind::Software } else { Kind::Hardware },
-        limits: adapter.limits(),
+        limits,
+        unfit,
     }
 }
 
-/// All adapters that keep the default limits, the best first.
+/// All adapters, the best first, those that do not keep the default limits last.
 fn adapters() -> Vec<Adapter> {
     let instance = Instance::new(InstanceDescriptor::new_without_display_handle_from_env());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(Backends::all()));
-    adapters.retain(|adapter| Limits::default().check_limits(&adapter.limits()));
     adapters.sort_by_key(|adapter| {
         let info = adapter.get_info();
-        (rank(info.device_type), backend_rank(info.backend))
+        (summary(adapter).unfit.is_some(), rank(info.device_type), backend_rank(info.backend))
     });
     adapters
 }

@@ -95,20 +95,27 @@ impl OpenDevice {
     /// Submit commands, wait for them, and read the words of a staging buffer.
     pub fn submit_and_read(&self, encoder: wgpu::CommandEncoder, staging: &Buffer, words: usize) -> Result<Vec<u32>> {
         let index = self.queue.submit([encoder.finish()]);
+        self.complain()?;
         let slice = staging.slice(..(words * 4) as u64);
         slice.map_async(wgpu::MapMode::Read, |_| {});
         let wait = wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(PATIENCE) };
-        self.device.poll(wait).map_err(|error| self.fault(&format!("a dispatch did not come to an end: {error}")))?;
-        let complaint = self.complaint.lock().ok().and_then(|mut place| place.take());
-        if let Some(complaint) = complaint {
-            return Err(self.fault(&complaint));
-        }
+        let waited = self.device.poll(wait);
+        self.complain()?;
+        waited.map_err(|error| self.fault(&format!("a dispatch did not come to an end: {error}")))?;
         let view = slice.get_mapped_range().map_err(|error| self.fault(&format!("results cannot be read: {error}")))?;
         let result =
             view.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
         drop(view);
         staging.unmap();
         Ok(result)
+    }
+
+    /// Give what wgpu has complained of, once.
+    fn complain(&self) -> Result<()> {
+        match self.complaint.lock().ok().and_then(|mut place| place.take()) {
+            Some(complaint) => Err(self.fault(&complaint)),
+            None => Ok(()),
+        }
     }
 
     /// A fault of the device.

@@ -6,7 +6,7 @@ use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
 use super::pack::{direction_table, incident_table};
 use super::params::{counts, params};
 use super::session::{Packed, Session, Shape};
-use super::tuning::{Tuning, flush_every};
+use super::tuning::{Choice, TELLING, Tuning, flush_every};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Incidence, Origin, Tally};
 use crate::tables::SamplingTables;
@@ -19,9 +19,8 @@ use std::time::{Duration, Instant};
 /// Time between two looks at the bins.
 const DRAIN: Duration = Duration::from_millis(500);
 /// Blocks of one segment: their numbers are exact in f32.
+/// So a segment has at most 2²⁸ walks, and a bin cannot pass once around 2³² unseen.
 const MAX_BLOCKS: u64 = 1 << 24;
-/// Walks of one segment: a bin cannot pass once around 2³² unseen.
-const MAX_SEGMENT: u64 = 1 << 31;
 
 /// How the work is cut. The tally does not depend on it; what is not set is chosen for the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,8 +41,33 @@ pub struct Settings {
     pub cells_per_batch: Option<usize>,
     /// Number at which every bin of the device starts.
     pub bins_preset: u32,
+    /// Number at which the low words of the device's sums of events and collisions start.
+    pub sums_preset: u32,
     /// Blocks of walks that the device is not told of: the account of such a run must not close.
     pub withheld_blocks: u32,
+}
+
+impl Settings {
+    /// Refuse what no device can do.
+    fn check(&self) -> Result<()> {
+        let workgroup = self.workgroup.unwrap_or(64);
+        let lanes = self.lanes.unwrap_or(workgroup);
+        let fine = (1..=256).contains(&workgroup)
+            && lanes > 0
+            && lanes.is_multiple_of(workgroup)
+            && self.budget != Some(0)
+            && self.flush_every != Some(0);
+        if fine {
+            return Ok(());
+        }
+        Err(Error::Device {
+            needed:
+                "the gpu engine needs a workgroup of 1 to 256, lanes that are a multiple of it, a budget and a flush \
+                     interval above 0"
+                    .into(),
+            found: format!("it was given {self:?}"),
+        })
+    }
 }
 
 /// How a run went on the device.
@@ -64,29 +88,30 @@ pub struct Report {
 /// The WGSL engine on one device.
 pub struct Gpu {
     pub(super) device: OpenDevice,
-    settings: Settings,
+    skipped: Vec<String>,
     pipelines: Mutex<HashMap<Shape, wgpu::ComputePipeline>>,
 }
 
 impl Gpu {
-    /// Open the best adapter; `name` is part of an adapter's name, in any case.
+    /// Open the best adapter that gives a device, or the one that `name` means: its number in [`list`](super::list), its
+    /// name, or a part of its description, in any case.
     ///
     /// # Errors
     /// [`Error::Device`] when there is none, or it gives no device with default limits.
     pub fn open(name: Option<&str>) -> Result<Gpu> {
-        Gpu::on(&adapter::find(name)?)
+        let mut skipped: Vec<String> = Vec::new();
+        for adapter in adapter::find(name)? {
+            match OpenDevice::open(&adapter) {
+                Ok(device) => return Ok(Gpu { device, skipped, pipelines: Mutex::default() }),
+                Err(error) => skipped.push(error.to_string()),
+            }
+        }
+        Err(Error::Device { needed: "the gpu engine needs a device".into(), found: skipped.join("; ") })
     }
 
-    /// Open the adapter at a place of [`list`](super::list).
-    ///
-    /// # Errors
-    /// [`Error::Device`] when it is gone, or gives no device with default limits.
-    pub fn open_listed(place: usize) -> Result<Gpu> {
-        Gpu::on(&adapter::at(place)?)
-    }
-
-    fn on(adapter: &wgpu::Adapter) -> Result<Gpu> {
-        Ok(Gpu { device: OpenDevice::open(adapter)?, settings: Settings::default(), pipelines: Mutex::default() })
+    /// Better adapters that gave no device, and why.
+    pub fn skipped(&self) -> &[String] {
+        &self.skipped
     }
 
     /// What the adapter is.
@@ -97,12 +122,6 @@ impl Gpu {
     /// The adapter in one line.
     pub fn adapter(&self) -> String {
         self.device.summary.description.clone()
-    }
-
-    /// The same device with other settings.
-    pub fn with_settings(mut self, settings: Settings) -> Gpu {
-        self.settings = settings;
-        self
     }
 
     /// Make the walks of a plan, with settings of its own, and report how it went.
@@ -117,7 +136,7 @@ impl Gpu {
         plan: &WalkPlan,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<(Tally, Report)> {
-        let (tally, report, _) = Run::new(self, settings, tables, goniometer, plan, false).make(progress)?;
+        let (tally, report, _) = Run::new(self, settings, tables, goniometer, plan, false)?.make(progress)?;
         Ok((tally, report))
     }
 
@@ -132,7 +151,7 @@ impl Gpu {
         goniometer: &Goniometer,
         plan: &WalkPlan,
     ) -> Result<(Tally, Vec<WalkRecord>)> {
-        let (tally, _, records) = Run::new(self, settings, tables, goniometer, plan, true).make(&mut |_| {})?;
+        let (tally, _, records) = Run::new(self, settings, tables, goniometer, plan, true)?.make(&mut |_| {})?;
         Ok((tally, records))
     }
 
@@ -157,7 +176,7 @@ impl Engine for Gpu {
         plan: &WalkPlan,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally> {
-        self.run_with(self.settings, tables, goniometer, plan, progress).map(|(tally, _)| tally)
+        self.run_with(Settings::default(), tables, goniometer, plan, progress).map(|(tally, _)| tally)
     }
 }
 
@@ -182,7 +201,8 @@ impl<'a> Run<'a> {
         goniometer: &'a Goniometer,
         plan: &'a WalkPlan,
         trace: bool,
-    ) -> Run<'a> {
+    ) -> Result<Run<'a>> {
+        settings.check()?;
         let large = tables.patches.len() > UNIFORM_ENTRIES as usize;
         let hardware = gpu.kind() == Kind::Hardware;
         let tuning = Tuning::start(gpu.kind());
@@ -205,7 +225,7 @@ impl<'a> Run<'a> {
         } else {
             Vec::new()
         };
-        Run { gpu, settings, tables, goniometer, plan, shape, report: Report::default(), tally, records }
+        Ok(Run { gpu, settings, tables, goniometer, plan, shape, report: Report::default(), tally, records })
     }
 
     fn make(mut self, progress: &mut dyn FnMut(&Tally)) -> Result<(Tally, Report, Vec<WalkRecord>)> {
@@ -239,28 +259,18 @@ impl<'a> Run<'a> {
     fn segment(&self, cells: usize) -> u64 {
         let cells = cells as u64;
         let stride = self.goniometer.incident_cells() as u64;
-        let most = (MAX_BLOCKS / cells * u64::from(BLOCK)).min(MAX_SEGMENT / cells).min((1 << 32) / stride - 1);
+        let most = (MAX_BLOCKS / cells * u64::from(BLOCK)).min((1 << 32) / stride - 1);
         most.min(self.settings.walks_per_segment.unwrap_or(most)).min(self.plan.walks_per_incident).max(1)
     }
 
     /// Let a timed warm-up choose lanes and budget, unless they are set or the run is short.
     fn tune(&mut self, packed: &Packed) -> Result<()> {
-        let cells = packed.incident.len();
         let walks = self.plan.walks_per_incident * self.goniometer.incident_cells() as u64;
         let tuning = Tuning::start(self.gpu.kind());
         let fixed = self.settings.lanes.is_some() || self.settings.budget.is_some();
         if !fixed && tuning.pays(walks, self.tables.depth()) {
-            let shape = Shape { lanes: tuning.warm_up_lanes, trace: false, ..self.shape };
-            let session = self.session(shape, packed)?;
-            let walks = self.plan.first..self.plan.first + self.segment(cells);
-            session.restart(&params(self.tables, self.goniometer, self.plan, 0..cells, walks));
-            // The first dispatch compiles, the second is timed.
-            session.dispatch()?;
-            let started = Instant::now();
-            session.dispatch()?;
-            let passes = f64::from(shape.lanes) * f64::from(shape.budget);
-            let chosen = tuning.choose(started.elapsed().as_secs_f64() / passes);
-            self.shape = Shape { lanes: chosen.lanes, budget: chosen.budget, ..self.shape };
+            let Choice { lanes, budget } = self.warm_up(&tuning, packed)?;
+            self.shape = Shape { lanes, budget, ..self.shape };
         }
         if self.settings.lanes.is_none() {
             // No more lanes than blocks.
@@ -269,6 +279,30 @@ impl<'a> Run<'a> {
             self.shape.lanes = self.shape.lanes.min(blocks.min(1 << 30) as u32).next_multiple_of(group);
         }
         Ok(())
+    }
+
+    /// Time dispatches of more and more lanes.
+    fn warm_up(&self, tuning: &Tuning, packed: &Packed) -> Result<Choice> {
+        let cells = packed.incident.len();
+        let walks = self.plan.first..self.plan.first + self.segment(cells);
+        let mut shape = Shape { lanes: tuning.warm_up_lanes, trace: false, ..self.shape };
+        loop {
+            let session = self.session(shape, packed)?;
+            session.restart(&params(self.tables, self.goniometer, self.plan, 0..cells, walks.clone()), 0);
+            // The first dispatch compiles, the second is timed.
+            session.dispatch()?;
+            let started = Instant::now();
+            let counters = session.dispatch()?;
+            let seconds = started.elapsed().as_secs_f64();
+            // Lanes that ran out of walks would make the device look faster than it is.
+            if u64::from(counters.launched) >= (walks.end - walks.start) * cells as u64 {
+                return Ok(Choice { lanes: shape.lanes, budget: shape.budget });
+            }
+            if seconds >= TELLING || 4 * shape.lanes > tuning.most_lanes {
+                return Ok(tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget))));
+            }
+            shape.lanes *= 4;
+        }
     }
 
     fn session(&self, shape: Shape, packed: &Packed) -> Result<Session<'a>> {
@@ -290,7 +324,7 @@ impl<'a> Run<'a> {
             let walks = segment.min(end - start);
             let mut params = params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks);
             params.blocks = params.blocks.saturating_sub(self.settings.withheld_blocks);
-            session.restart(&params);
+            session.restart(&params, self.settings.sums_preset);
             self.run_segment(&mut session, bins.clone(), walks * cells.len() as u64, progress)?;
             if self.shape.trace {
                 self.keep_traces(&session, cells.start, start, walks)?;
@@ -324,7 +358,7 @@ impl<'a> Run<'a> {
             }
             last = now;
             self.tally.counts = before;
-            self.tally.counts += counts(&now);
+            self.tally.counts += counts(&now, self.settings.sums_preset);
             if drained.elapsed() > DRAIN || u64::from(now.finished) >= walks {
                 session.drain(&mut self.tally.bins[bins.clone()])?;
                 drained = Instant::now();

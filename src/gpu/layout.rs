@@ -13,8 +13,8 @@ pub const TEXTURE_BITS: u32 = 10;
 /// Walks that a lane takes at a time.
 pub const BLOCK: u32 = 16;
 
-/// Name, offset and size of each field of a shared structure.
-pub type Fields = &'static [(&'static str, usize, usize)];
+/// Name, offset, size and Rust type of each field of a shared structure.
+pub type Fields = &'static [(&'static str, usize, usize, &'static str)];
 
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? }) => {
@@ -25,8 +25,9 @@ macro_rules! gpu_struct {
         pub struct $name { $(pub $field: $type),* }
 
         impl $name {
-            /// Name, offset and size of each field.
-            pub const FIELDS: Fields = &[$((stringify!($field), offset_of!($name, $field), size_of::<$type>())),*];
+            /// Name, offset, size and type of each field.
+            pub const FIELDS: Fields =
+                &[$((stringify!($field), offset_of!($name, $field), size_of::<$type>(), stringify!($type))),*];
         }
     };
 }

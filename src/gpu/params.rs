@@ -44,8 +44,10 @@ pub fn params(
 }
 
 /// The sums of all lanes, joined from their words.
-pub fn counts(counters: &Counters) -> Counts {
-    let join = |high: u32, low: u32| u64::from(high) << 32 | u64::from(low);
+///
+/// The low words started at `preset`.
+pub fn counts(counters: &Counters, preset: u32) -> Counts {
+    let join = |high: u32, low: u32| (u64::from(high) << 32 | u64::from(low)).wrapping_sub(u64::from(preset));
     Counts {
         launched: u64::from(counters.launched),
         finished: u64::from(counters.finished),

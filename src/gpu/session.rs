@@ -115,12 +115,14 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Set new parameters, empty the lanes and the counters.
-    pub fn restart(&self, params: &Params) {
+    /// Set new parameters, empty the lanes and the counters; sums of two words start at `preset`.
+    pub fn restart(&self, params: &Params, preset: u32) {
         self.device.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
+        let counters = Counters { tentative_low: preset, collisions_low: preset, ..Counters::default() };
+        self.device.queue.write_buffer(&self.counters, 0, bytemuck::bytes_of(&counters));
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.lanes, 0, None);
-        encoder.clear_buffer(&self.counters, 0, None);
+        encoder.clear_buffer(&self.traces, 0, None);
         self.device.queue.submit([encoder.finish()]);
     }
 

@@ -2,17 +2,22 @@
 
 use super::adapter::Kind;
 
+/// A warm-up dispatch that takes this many seconds has told enough.
+pub const TELLING: f64 = 0.01;
+
 /// Bounds of a device kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
     /// Lanes of a run that is too short for a warm-up.
     pub lanes: u32,
-    /// Passes of a dispatch in the warm-up.
+    /// Passes of a dispatch in the warm-up and in such a run.
     pub budget: u32,
-    /// Lanes of the warm-up.
+    /// Lanes of the first dispatch of the warm-up; each next one has four times as many, until it tells enough.
     pub warm_up_lanes: u32,
     fewest_lanes: u32,
-    most_lanes: u32,
+    /// Most lanes of any dispatch.
+    pub most_lanes: u32,
+    most_budget: u32,
     /// Seconds that one dispatch may take.
     target: f64,
 }
@@ -29,11 +34,12 @@ impl Tuning {
     pub fn start(kind: Kind) -> Tuning {
         match kind {
             Kind::Hardware => Tuning {
-                lanes: 1 << 16,
-                budget: 1024,
-                warm_up_lanes: 1 << 16,
+                lanes: 1 << 13,
+                budget: 256,
+                warm_up_lanes: 1 << 13,
                 fewest_lanes: 1 << 13,
                 most_lanes: 1 << 19,
+                most_budget: 1024,
                 target: 0.04,
             },
             Kind::Software => Tuning {
@@ -42,6 +48,7 @@ impl Tuning {
                 warm_up_lanes: 1 << 10,
                 fewest_lanes: 1 << 10,
                 most_lanes: 1 << 14,
+                most_budget: 4096,
                 target: 1.0,
             },
         }
@@ -57,7 +64,8 @@ impl Tuning {
     pub fn choose(&self, seconds_per_pass: f64) -> Choice {
         let passes = self.target / seconds_per_pass;
         let fits = |budget: &u32| f64::from(*budget) * f64::from(self.fewest_lanes) <= passes;
-        let budget = [self.budget, 1024, 256].into_iter().find(fits).unwrap_or(256);
+        let budgets = [4096, 1024, 256].into_iter().filter(|budget| *budget <= self.most_budget);
+        let budget = budgets.into_iter().find(fits).unwrap_or(256);
         let mut lanes = self.fewest_lanes;
         while lanes < self.most_lanes && f64::from(2 * lanes) * f64::from(budget) <= passes {
             lanes *= 2;

@@ -59,19 +59,22 @@ pub fn choose(choice: EngineChoice, adapter: Option<&str>) -> Result<ChosenEngin
     }
     match Gpu::open(adapter) {
         Ok(gpu) => Ok(on(gpu, choice, adapter)),
-        // An adapter asked for by name must not turn into something else.
+        // An adapter asked for must not turn into something else.
         Err(error) if choice == EngineChoice::Auto && adapter.is_none() => Ok(cpu(error.to_string())),
         Err(error) => Err(error),
     }
 }
 
 fn on(gpu: Gpu, choice: EngineChoice, adapter: Option<&str>) -> ChosenEngine {
-    let reason = match (gpu.kind(), adapter, choice) {
+    let mut reason = match (gpu.kind(), adapter, choice) {
         (_, Some(name), _) => format!("asked for by --adapter {name}"),
-        (Kind::Software, _, _) => "the only adapter is a software one".into(),
+        (Kind::Software, _, _) => "the best adapter, a software one".into(),
         (_, _, EngineChoice::Gpu) => "asked for".into(),
         (Kind::Hardware, _, _) => "the best adapter".into(),
     };
+    for skipped in gpu.skipped() {
+        reason += &format!("; passed over: {skipped}");
+    }
     ChosenEngine { name: "gpu", adapter: gpu.adapter(), reason, engine: Box::new(gpu) }
 }
 

@@ -9,5 +9,5 @@ mod run;
 mod self_test;
 
 pub use engine::{ChosenEngine, EngineChoice, choose};
-pub use run::{Measurement, Progress, Seconds, peak_bytes, prepare, run};
+pub use run::{Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, run};
 pub use self_test::{SelfTest, self_test};

@@ -11,8 +11,8 @@ use crate::walk::{Engine, WalkPlan};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Largest tally that is held in memory, in bytes.
-const MAX_TALLY: usize = 1 << 30;
+/// Memory that the results of a run may take, in bytes.
+const MAX_BYTES: usize = 4 << 30;
 /// Time between two looks at the noise.
 const LOOK: Duration = Duration::from_millis(200);
 
@@ -50,54 +50,76 @@ pub struct Measurement {
 }
 
 /// The medium and the instrument of a scene.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// f(p) of the sheet.
+    pub specific_length: SpecificLength,
+    /// What the engines read.
+    pub tables: SamplingTables,
+    /// The instrument.
+    pub goniometer: Goniometer,
+}
+
+/// Tabulate a scene.
 ///
 /// # Errors
-/// [`Error::Input`] when the table of results would not fit into memory.
-pub fn prepare(scene: &Scene) -> Result<(SpecificLength, SamplingTables, Goniometer)> {
+/// [`Error::Input`] when the run would not fit into memory.
+pub fn prepare(scene: &Scene) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
-    let bytes = goniometer.layout().stride() * goniometer.incident_cells() * size_of::<u64>();
-    if bytes > MAX_TALLY {
+    let bytes = memory(&goniometer);
+    if bytes > MAX_BYTES {
         let (cells, exits) = (goniometer.incident_cells(), goniometer.exit.cells());
         return Err(Error::Input(format!(
-            "{cells} incident cells with {exits} exit cells on each side take {} MiB, allowed: {} MiB; \
+            "{cells} incident cells with {exits} exit cells on each side take about {} MiB of memory, allowed: {} MiB; \
              lower `incident` or `exit`",
             bytes.div_ceil(1 << 20),
-            MAX_TALLY >> 20
+            MAX_BYTES >> 20
         )));
     }
     let grid = DirectionGrid { n: scene.model.directions.isqrt() };
     let specific_length = SpecificLength::of_sheet(&scene.sheet, grid);
     let tables = SamplingTables::new(scene, &specific_length);
-    Ok((specific_length, tables, goniometer))
+    Ok(Prepared { specific_length, tables, goniometer })
 }
 
-/// Measure a scene with a chosen engine; `started` is when the work on it began.
+/// Memory in bytes that the results of a run take at most: the tally, the table as it is written, and what the gpu engine
+/// holds of one batch (on the device, as last seen, and twice on the way).
+pub fn memory(goniometer: &Goniometer) -> usize {
+    let bins = goniometer.layout().stride() * goniometer.incident_cells();
+    let batch = (4 * bins).min(128 << 20);
+    bins * size_of::<u64>() + 2 * bins * size_of::<f32>() + 4 * batch
+}
+
+/// Measure a prepared scene with a chosen engine; `started` is when the work on it began.
 ///
 /// # Errors
-/// Those of [`prepare`] and of [`Engine::run`].
+/// Those of [`Engine::run`].
 pub fn run(
-    scene: &Scene,
+    prepared: &Prepared,
     engine: &ChosenEngine,
     plan: &WalkPlan,
     started: Instant,
-    progress: &mut dyn FnMut(Progress),
+    mut progress: Option<&mut dyn FnMut(Progress)>,
 ) -> Result<Measurement> {
-    let (_, tables, goniometer) = prepare(scene)?;
-    let prepared = Instant::now();
+    let Prepared { tables, goniometer, .. } = prepared;
+    let begun = Instant::now();
     let planned = plan.walks_per_incident * goniometer.incident_cells() as u64;
-    let mut looked = prepared;
-    let tally = engine.run(&tables, &goniometer, plan, &mut |tally| {
-        if looked.elapsed() >= LOOK {
-            looked = Instant::now();
+    let mut next_look = begun + LOOK;
+    let tally = engine.run(tables, goniometer, plan, &mut |tally| {
+        let Some(progress) = &mut progress else { return };
+        let now = Instant::now();
+        if now >= next_look {
             progress(Progress { walks: tally.counts.finished, planned, noise: noise(tally) });
+            // A look at a large table takes its time: spend a twentieth on it at most.
+            next_look = Instant::now() + LOOK.max(20 * now.elapsed());
         }
     })?;
     let seconds = Seconds {
-        prepare: (prepared - started).as_secs_f64(),
-        walk: prepared.elapsed().as_secs_f64(),
+        prepare: (begun - started).as_secs_f64(),
+        walk: begun.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer, tally, seconds })
+    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds })
 }
 
 /// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.

@@ -1,6 +1,6 @@
 //! A quick check that an engine gives right answers on this machine.
 
-use super::run::prepare;
+use super::run::{Prepared, prepare};
 use crate::error::{Error, Result};
 use crate::goniometer::Tally;
 use crate::reference::Reference;
@@ -43,7 +43,7 @@ pub struct SelfTest {
 /// the engine's own errors.
 pub fn self_test(engine: &dyn Engine) -> Result<SelfTest> {
     let source = Source { file: "self-test".into(), stem: "self-test".into(), text: CLOTH.into() };
-    let (_, tables, goniometer) = prepare(&Scene::parse(&source)?)?;
+    let Prepared { tables, goniometer, .. } = prepare(&Scene::parse(&source)?)?;
     let plan = WalkPlan::new(20_240_229, WALKS);
     let tally = engine.run(&tables, &goniometer, &plan, &mut |_| {})?;
     let expected = Reference.run(&tables, &goniometer, &plan, &mut |_| {})?;

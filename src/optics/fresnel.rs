@@ -5,7 +5,7 @@
 /// Fresnel's formulas for s and p polarisation, averaged; `ior` ≥ 1. By reversibility it is also the reflectance
 /// from inside along the refracted direction.
 pub fn reflectance(cos_incidence: f64, ior: f64) -> f64 {
-    let cos_refraction = (1.0 - (1.0 - cos_incidence * cos_incidence) / (ior * ior)).max(0.0).sqrt();
+    let cos_refraction = (ior * ior - 1.0 + cos_incidence * cos_incidence).sqrt() / ior;
     let s = (cos_incidence - ior * cos_refraction) / (cos_incidence + ior * cos_refraction);
     let p = (ior * cos_incidence - cos_refraction) / (ior * cos_incidence + cos_refraction);
     0.5 * (s * s + p * p)
@@ -26,5 +26,6 @@ mod tests {
         assert!((reflectance(brewster.cos(), ior) - 0.5 * s).abs() < 1e-12);
         assert!((reflectance(0.0, ior) - 1.0).abs() < 1e-12);
         assert!(reflectance(0.3, 1.0).abs() < 1e-15);
+        assert!(reflectance(1e-8, 1.0).abs() < 1e-15);
     }
 }

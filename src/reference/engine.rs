@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Walks of one incident cell made by one task.
 const TASK: u64 = 4096;
 /// Tasks between two looks at the progress, for each thread.
-const TASKS_PER_ROUND: usize = 16;
+const TASKS_PER_ROUND: u64 = 16;
 
 /// The f64 engine.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,19 +34,20 @@ impl Engine for Reference {
         let origin = Origin { engine: "cpu", adapter: self.adapter(), seed: plan.seed };
         let cells = goniometer.incident_cells();
         let mut tally = Tally::new(origin, goniometer.layout(), cells);
-        let tasks: Vec<(u64, usize)> = (0..plan.walks_per_incident.div_ceil(TASK))
-            .flat_map(|block| (0..cells).map(move |cell| (block * TASK, cell)))
-            .collect();
-        for round in tasks.chunks(TASKS_PER_ROUND * rayon::current_num_threads()) {
-            let records: Vec<Vec<WalkRecord>> = round
-                .par_iter()
-                .map(|&(start, cell)| {
+        // A task is a block of walks of one cell; cells go round fastest.
+        let tasks = plan.walks_per_incident.div_ceil(TASK) * cells as u64;
+        let round = TASKS_PER_ROUND * rayon::current_num_threads() as u64;
+        for first in (0..tasks).step_by(round as usize) {
+            let records: Vec<(usize, Vec<WalkRecord>)> = (first..(first + round).min(tasks))
+                .into_par_iter()
+                .map(|task| {
+                    let (start, cell) = (task / cells as u64 * TASK, (task % cells as u64) as usize);
                     let end = (start + TASK).min(plan.walks_per_incident);
                     let walk = |i| walk(tables, goniometer, plan, cell, plan.first + i, &mut Blind);
-                    (start..end).map(walk).collect()
+                    (cell, (start..end).map(walk).collect())
                 })
                 .collect();
-            for ((_, cell), records) in round.iter().zip(&records) {
+            for (cell, records) in &records {
                 count(&mut tally, *cell, records);
             }
             progress(&tally);

@@ -57,13 +57,19 @@ impl ResultFolder {
     /// Write all files of a measurement; all are whole before the first takes its place.
     ///
     /// # Errors
-    /// [`Error::File`] when a file cannot be written; then no file has changed.
+    /// [`Error::File`] when a file cannot be written. While files are being made none has changed; when the move of one
+    /// fails, no summary is left beside a table that it does not describe.
     pub fn write(mut self, scene: &Scene, measurement: &Measurement) -> Result<()> {
         self.make()?;
         let mut bsdf = self.temporary()?;
         write_bsdf(bsdf.as_file_mut(), scene, measurement).map_err(|source| self.failed(source))?;
         let mut text = self.temporary()?;
         text.write_all(summary(scene, measurement).as_bytes()).map_err(|source| self.failed(source))?;
+        // The summary goes first and comes last.
+        match std::fs::remove_file(self.path.join("summary.json")) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => return Err(self.failed(source)),
+            _ => {}
+        }
         for (file, name) in [bsdf, text].into_iter().zip(FILES) {
             file.persist(self.path.join(name)).map_err(|failed| self.failed(failed.error))?;
         }

@@ -3,7 +3,7 @@
 use super::provenance::{degrees, runs};
 use crate::bsdf::{Estimate, Totals, hemispherical, totals};
 use crate::measure::{Measurement, peak_bytes};
-use crate::scene::Scene;
+use crate::scene::{Incident, Scene};
 use serde_json::{Value, json};
 
 /// The text of `summary.json`, keys sorted.
@@ -11,10 +11,14 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, seconds } = measurement;
     let incident: Vec<Value> = (0..tally.incident_cells())
         .map(|cell| {
-            let wi = goniometer.centre(cell);
+            // A listed direction keeps the angles that it was given by.
+            let [theta, phi] = match &scene.measure.incident {
+                Incident::List(angles) => angles[cell],
+                Incident::Disc(_) => goniometer.angles(cell),
+            };
             let mut entry = shares(&totals(tally, cell));
-            entry["theta_deg"] = json!(degrees(wi.z.clamp(-1.0, 1.0).acos()));
-            entry["phi_deg"] = json!(degrees(wi.y.atan2(wi.x)));
+            entry["theta_deg"] = json!(degrees(theta));
+            entry["phi_deg"] = json!(degrees(phi));
             entry
         })
         .collect();

@@ -7,7 +7,7 @@ pub mod tracer;
 
 use fiberwalk::goniometer::Tally;
 use fiberwalk::gpu::Gpu;
-use fiberwalk::measure::prepare;
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::{Scene, Source};
 use fiberwalk::walk::{Engine, WalkPlan};
@@ -87,7 +87,7 @@ impl Cloth {
 
     /// Measure with an engine and hold the accounts against the plan.
     pub fn run(&self, engine: &dyn Engine, plan: &WalkPlan) -> Tally {
-        let (_, tables, goniometer) = prepare(&self.scene()).unwrap_or_else(|error| panic!("{error}"));
+        let Prepared { tables, goniometer, .. } = prepare(&self.scene()).unwrap_or_else(|error| panic!("{error}"));
         let tally = engine.run(&tables, &goniometer, plan, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
         tally.check(plan.walks_per_incident).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(tally.origin.seed, plan.seed);

@@ -2,12 +2,12 @@
 //!
 //! Isotropic fibers of index 1.5 at optical depths H·d = 0.5, 4 and 32 (H is the true total specific visible area, not
 //! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, and let walks
-//! start in the middle of their incident cells instead of at random. Each figure is the median over the rounds, with the smallest and the largest.
+//! start in the middle of their incident cells instead of at random, and read directions from a texture. Each figure is the median over the rounds, with the smallest and the largest.
 
 use fiberwalk::concentric::Patch;
 use fiberwalk::distribution::DirectionGrid;
 use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
-use fiberwalk::gpu::Gpu;
+use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
 use fiberwalk::tables::{AliasTable, SamplingTables};
 use fiberwalk::walk::{Engine, WalkPlan};
@@ -16,34 +16,32 @@ use std::f64::consts::PI;
 use std::time::Instant;
 
 /// One row of the table.
-struct Case {
+struct Case<'a> {
     name: String,
-    engine: usize,
+    /// None for the cpu engine.
+    gpu: Option<&'a Gpu>,
     depth: f64,
     disc: bool,
     jitter: bool,
+    texture: bool,
     walks: u64,
 }
 
 fn main() {
     let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(5);
-    let cpu = Reference;
     let gpu = Gpu::open(None);
-    if let Err(error) = &gpu {
-        println!("no gpu rows: {error}");
+    match &gpu {
+        Ok(gpu) => println!("gpu: {}", gpu.adapter()),
+        Err(error) => println!("no gpu rows: {error}"),
     }
-    let mut engines: Vec<(&str, &dyn Engine)> = vec![("cpu", &cpu)];
-    if let Ok(gpu) = &gpu {
-        println!("gpu: {}", gpu.adapter());
-        engines.push(("gpu", gpu));
-    }
-    let cases = cases(&engines);
+    let gpu = gpu.ok();
+    let cases = cases(gpu.as_ref());
     println!("{rounds} rounds in alternation; median (smallest, largest)");
     let mut seconds = vec![Vec::new(); cases.len()];
     let mut tallies: Vec<Option<Tally>> = cases.iter().map(|_| None).collect();
     for round in 0..=rounds {
         for (i, case) in cases.iter().enumerate() {
-            let (time, tally) = run(engines[case.engine].1, case);
+            let (time, tally) = run(case);
             // The first round warms up compilers and caches.
             if round > 0 {
                 seconds[i].push(time);
@@ -61,27 +59,31 @@ fn main() {
     }
 }
 
-fn cases(engines: &[(&str, &dyn Engine)]) -> Vec<Case> {
+fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     let mut cases = Vec::new();
     for (depth, walks) in [(0.5, 8_000_000), (4.0, 4_000_000), (32.0, 500_000)] {
-        for (engine, (name, _)) in engines.iter().enumerate() {
-            let walks = if *name == "cpu" { walks / 4 } else { walks };
-            let case = |label: &str, disc, jitter| {
-                let name = format!("{name}, H d = {depth}{label}");
-                Case { name, engine, depth, disc, jitter, walks }
-            };
-            cases.push(case("", true, true));
-            if *name == "gpu" {
-                cases.push(case(", no jitter", true, false));
-                cases.push(case(", fixed start", false, true));
-                cases.push(case(", neither", false, false));
-            }
-        }
+        let plain = |name: &str, gpu, walks| Case {
+            name: format!("{name}, H d = {depth}"),
+            gpu,
+            depth,
+            disc: true,
+            jitter: true,
+            texture: false,
+            walks,
+        };
+        cases.push(plain("cpu", None, walks / 4));
+        let Some(gpu) = gpu else { continue };
+        let variant = |what: &str| Case { name: format!("gpu, H d = {depth}, {what}"), ..plain("", Some(gpu), walks) };
+        cases.push(plain("gpu", Some(gpu), walks));
+        cases.push(Case { jitter: false, ..variant("no jitter") });
+        cases.push(Case { disc: false, ..variant("fixed starts") });
+        cases.push(Case { jitter: false, disc: false, ..variant("neither") });
+        cases.push(Case { texture: true, ..variant("in a texture") });
     }
     cases
 }
 
-fn run(engine: &dyn Engine, case: &Case) -> (f64, Tally) {
+fn run(case: &Case) -> (f64, Tally) {
     let n = 32;
     let grid = DirectionGrid { n };
     let patches: Vec<Patch> = grid.cells().collect();
@@ -103,7 +105,12 @@ fn run(engine: &dyn Engine, case: &Case) -> (f64, Tally) {
     let cells = goniometer.incident_cells() as u64;
     let plan = WalkPlan { jitter: case.jitter, ..WalkPlan::new(1, case.walks / cells) };
     let started = Instant::now();
-    match engine.run(&tables, &goniometer, &plan, &mut |_| {}) {
+    let settings = Settings { table_in_texture: Some(case.texture), ..Settings::default() };
+    let result = match case.gpu {
+        Some(gpu) => gpu.run_with(settings, &tables, &goniometer, &plan, &mut |_| {}).map(|(tally, _)| tally),
+        None => Reference.run(&tables, &goniometer, &plan, &mut |_| {}),
+    };
+    match result {
         Ok(tally) => (started.elapsed().as_secs_f64(), tally),
         Err(error) => panic!("{}: {error}", case.name),
     }

@@ -20,7 +20,8 @@ orientation = "isotropic"
 const FEW: [&str; 4] = ["--walks", "10", "--engine", "cpu"];
 /// What hides every Vulkan driver from the loader.
 const NO_DRIVER: [(&str, &str); 2] = [("VK_DRIVER_FILES", "/nonexistent"), ("VK_ICD_FILENAMES", "/nonexistent")];
-const NO_ADAPTER: &str = "the gpu engine needs a Vulkan, Metal or DX12 driver with the default limits of WebGPU, but no adapter was found; on Debian-like \
+const NO_ADAPTER: &str = "the gpu engine needs a Vulkan, Metal or DX12 driver with the default limits of WebGPU, but no \
+                          adapter was found; on Debian-like \
                           systems the packages mesa-vulkan-drivers and libvulkan1 bring a software adapter";
 const INCIDENT: &str =
     "the N of an N×N disc basis, a whole number from 1 to 64, or a list of directions [[theta, phi], …]";

@@ -119,6 +119,27 @@ fn engines_lists_adapters_and_tests_them() {
 }
 
 #[test]
+fn a_new_cloth_file_can_be_inspected_and_measured() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = fiberwalk(folder.path(), &["new", "my cloth"]);
+    assert_eq!(text(&output.stdout), "my cloth.toml\n");
+    let inspected = text(&fiberwalk(folder.path(), &["inspect", "my cloth.toml"]).stdout);
+    // π 0.006² 600 = 0.0679 of the volume, times 0.5 mm and 1.5 g/cm³ = 50.9 g/m².
+    for line in ["my cloth\n", "volume fraction  0.0679\n", "areal mass       50.9 g/m²\n"] {
+        assert!(inspected.contains(line), "{inspected}");
+    }
+    // From above planar fibers show H d = 2 R L d = 3.6.
+    assert!(inspected.contains("optical depth 3.600, direct light 2.732e-2"), "{inspected}");
+    measure(folder.path(), &["my cloth.toml", "--walks", "10", "--engine", "cpu"]);
+    // A file is never written over, and a name is not a path.
+    let before = std::fs::read(folder.path().join("my cloth.toml")).expect("it is there");
+    for name in ["my cloth", "a/b", "", "a\"b"] {
+        assert_eq!(fiberwalk(folder.path(), &["new", name]).status.code(), Some(2), "{name}");
+    }
+    assert_eq!(std::fs::read(folder.path().join("my cloth.toml")).expect("it is there"), before);
+}
+
+#[test]
 fn a_spread_bundle_says_how_far_the_grid_smears_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let cloth = "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\

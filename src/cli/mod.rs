@@ -3,7 +3,9 @@
 //! Results go to stdout, all else to stderr.
 
 mod engines;
+mod inspect;
 mod measure;
+mod new;
 mod show;
 
 use clap::error::ErrorKind;
@@ -24,14 +26,18 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Measure(measure::Arguments),
+    Inspect(inspect::Arguments),
     Engines(engines::Arguments),
+    New(new::Arguments),
 }
 
 /// Read the arguments and do what they say.
 pub fn run() -> Result<()> {
     match parse()?.command {
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Engines(arguments) => engines::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
     }
 }
 

@@ -1,0 +1,87 @@
+//! `fiberwalk inspect`.
+
+use super::{one_line, print};
+use fiberwalk::Result;
+use fiberwalk::measure::{Prepared, memory, prepare};
+use fiberwalk::scene::{Orientation, Scene, Source};
+use glam::DVec3;
+use std::fmt::Write;
+
+/// Say what the model of a cloth will be, without measuring it
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Cloth file, or a preset: felt, nonwoven
+    cloth: String,
+}
+
+/// Run the command.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let source = Source::find(&arguments.cloth)?;
+    let scene = Scene::parse(&source)?;
+    let prepared = prepare(&scene)?;
+    print(&(cloth(&scene) + &medium(&scene, &prepared) + &sizes(&scene, &prepared)))
+}
+
+/// The cloth as the file says it.
+fn cloth(scene: &Scene) -> String {
+    let mut text = format!("{}\n", one_line(&scene.name));
+    for part in &scene.sheet.fibers {
+        let fiber = &scene.fibers[part.fiber];
+        let orientation = match part.orientation {
+            Orientation::Isotropic => "isotropic".into(),
+            Orientation::Planar => "planar".into(),
+            Orientation::Aligned { axis, spread } => {
+                format!("aligned to [{:.3}, {:.3}, {:.3}] ± {:.1}°", axis.x, axis.y, axis.z, spread.to_degrees())
+            }
+        };
+        let name = one_line(&fiber.name);
+        let (radius, ior, density) = ((fiber.radius * 1e9).round() / 1e6, fiber.ior, part.length_density);
+        let _ =
+            writeln!(text, "fibers           {name}: radius {radius} µm, index {ior}, {density} mm/mm³, {orientation}");
+    }
+    let _ = writeln!(text, "thickness        {} mm", scene.sheet.thickness);
+    let _ = writeln!(text, "volume fraction  {:.4}", scene.sheet.volume_fraction(&scene.fibers));
+    let mass = scene.sheet.areal_mass(&scene.fibers);
+    let _ = writeln!(
+        text,
+        "areal mass       {}",
+        mass.map_or("unknown: a fiber has no density_g_per_cm3".into(), |mass| format!("{mass:.1} g/m²"))
+    );
+    text
+}
+
+/// The medium that it becomes.
+fn medium(scene: &Scene, prepared: &Prepared) -> String {
+    let Prepared { specific_length, tables, .. } = prepared;
+    let mut text = String::new();
+    for theta in [0.0, 30.0, 60.0f64] {
+        // Light from the middle between x and y.
+        let (sin, cos) = theta.to_radians().sin_cos();
+        let m = -DVec3::new(sin / 2f64.sqrt(), sin / 2f64.sqrt(), cos);
+        let depth = specific_length.visible_area(m, |kind| scene.fibers[kind].radius) * scene.sheet.thickness;
+        let direct = (-depth / cos).exp();
+        let _ = writeln!(text, "light at {theta:2}°      optical depth {:.3}, direct light {direct:.3e}", depth / cos);
+    }
+    let _ = writeln!(text, "tentative depth  {:.3} along the normal", tables.depth());
+    if specific_length.spread_error > 0.0 {
+        let error = 100.0 * specific_length.spread_error;
+        let _ =
+            writeln!(text, "direction grid   smears the spread bundles; the largest error of H found is {error:.2} %");
+    }
+    text
+}
+
+/// What the run will take.
+fn sizes(scene: &Scene, prepared: &Prepared) -> String {
+    let Prepared { tables, goniometer, .. } = prepared;
+    let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+    format!(
+        "tables           {} entries of 16 bytes from a grid of {} directions\n\
+         results          {} incident × {} exit cells, at most {:.1} MiB of memory besides the program\n",
+        tables.patches.len(),
+        scene.model.directions,
+        goniometer.incident_cells(),
+        2 * goniometer.exit.cells(),
+        mib(memory(goniometer))
+    )
+}

@@ -2,17 +2,13 @@
 
 use super::show::{grouped, totals_table};
 use super::{one_line, print};
-use fiberwalk::measure::{EngineChoice, Measurement, Progress, choose, prepare, run as measure};
+use fiberwalk::measure::{EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare, run as measure};
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Source};
-use fiberwalk::walk::WalkPlan;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-
-/// Walks that are allowed in one run, in all: walk ids have 64 bits, counts of a run stay far below.
-const MAX_WALKS: u64 = 1 << 48;
 
 /// Time between two lines of progress where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
@@ -25,9 +21,15 @@ pub struct Arguments {
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Walks of each incident cell
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = walks, allow_negative_numbers = true)]
-    walks: u64,
+    /// Stop after so many walks of each incident cell
+    #[arg(long, value_name = "N", value_parser = walks, allow_negative_numbers = true, group = "stop")]
+    walks: Option<u64>,
+    /// Stop when the noise of the scattered light is at most this share, such as 5% [default without another rule: 5%]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, group = "stop")]
+    tolerance: Option<f64>,
+    /// Stop when the walks have taken so long, such as 60s
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true, group = "stop")]
+    time: Option<Duration>,
     /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     engine: Choice,
@@ -69,6 +71,21 @@ fn walks(text: &str) -> std::result::Result<u64, String> {
     number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_WALKS}"))
 }
 
+fn share(text: &str) -> std::result::Result<f64, String> {
+    let number = match text.strip_suffix('%') {
+        Some(percent) => percent.parse().ok().map(|percent: f64| percent / 100.0),
+        None => text.parse().ok(),
+    };
+    let number = number.filter(|share| (1e-5..=1.0).contains(share));
+    number.ok_or_else(|| "must be a share from 0.001% to 100%, such as 5% or 0.05".into())
+}
+
+fn seconds(text: &str) -> std::result::Result<Duration, String> {
+    let number: Option<f64> = text.strip_suffix('s').unwrap_or(text).parse().ok();
+    let number = number.filter(|seconds| (1e-3..=1e7).contains(seconds));
+    number.map(Duration::from_secs_f64).ok_or_else(|| "must be a time from 0.001s to 10000000s, such as 60s".into())
+}
+
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Choice {
     Auto,
@@ -89,12 +106,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.apply(Scene::parse(&source)?)?;
     let prepared = prepare(&scene)?;
     let cells = prepared.goniometer.incident_cells() as u64;
-    if arguments.walks > MAX_WALKS / cells {
-        let most = MAX_WALKS / cells;
-        return Err(Error::Input(format!(
-            "--walks {} is too many for {cells} incident cells; allowed: 1 to {most}",
-            arguments.walks
-        )));
+    let most = MAX_WALKS / cells;
+    if let Some(walks) = arguments.walks.filter(|walks| *walks > most) {
+        let message = format!("--walks {walks} is too many for {cells} incident cells; allowed: 1 to {most}");
+        return Err(Error::Input(message));
     }
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
     let folder = ResultFolder::prepare(&folder, arguments.force)?;
@@ -120,11 +135,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     note(&format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
 
-    let plan = WalkPlan::new(arguments.seed, arguments.walks);
-    let mut watch = Watch::new(arguments.walks * cells);
+    let stop = arguments.stop();
+    if let Stop::Tolerance(tolerance) = stop {
+        note(&format!(
+            "stop: at a noise of {:.3} % of the scattered light; the model's error is not in it",
+            100.0 * tolerance
+        ));
+    }
+    let mut watch = Watch::new();
     let mut show = |progress| watch.show(progress);
     let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
-    let measurement = measure(&prepared, &engine, &plan, started, progress)?;
+    let measurement = measure(&prepared, &engine, arguments.seed, stop, started, progress)?;
     watch.bar.finish_and_clear();
 
     let path = folder.path().to_owned();
@@ -134,6 +155,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
+    /// The rule that was given, or a noise of 5 %.
+    fn stop(&self) -> Stop {
+        match (self.walks, self.time) {
+            (Some(walks), _) => Stop::Walks(walks),
+            (_, Some(time)) => Stop::Time(time),
+            _ => Stop::Tolerance(self.tolerance.unwrap_or(0.05)),
+        }
+    }
+
     /// Let the flags have their way over the file.
     fn apply(&self, mut scene: Scene) -> Result<Scene> {
         for (key, text) in [("tracking", &self.tracking), ("placement", &self.placement)] {
@@ -157,10 +187,10 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(walks: u64) -> Watch {
+    fn new() -> Watch {
         let template = "{bar:30} {percent}% {msg}, {eta} left";
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        Watch { bar: ProgressBar::new(walks).with_style(style), line_due: Instant::now() + LINE_EVERY }
+        Watch { bar: ProgressBar::new(1).with_style(style), line_due: Instant::now() + LINE_EVERY }
     }
 
     fn show(&mut self, progress: Progress) {
@@ -168,9 +198,13 @@ impl Watch {
         let message = format!("{rate:.2e} walks/s, noise {:.1} %", 100.0 * progress.noise);
         if self.bar.is_hidden() && Instant::now() >= self.line_due {
             self.line_due += LINE_EVERY;
-            let share = progress.walks as f64 / progress.planned as f64;
-            let left = (progress.planned - progress.walks) as f64 / rate;
+            let planned = progress.planned.unwrap_or(progress.walks);
+            let share = progress.walks as f64 / planned as f64;
+            let left = planned.saturating_sub(progress.walks) as f64 / rate;
             eprintln!("{:.0} % done, {message}, {left:.0} s left", 100.0 * share);
+        }
+        if let Some(planned) = progress.planned {
+            self.bar.set_length(planned.max(progress.walks));
         }
         self.bar.set_position(progress.walks);
         self.bar.set_message(message);

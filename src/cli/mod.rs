@@ -25,7 +25,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    Measure(measure::Arguments),
+    Measure(Box<measure::Arguments>),
     Inspect(inspect::Arguments),
     Engines(engines::Arguments),
     New(new::Arguments),

@@ -122,6 +122,14 @@ impl Tally {
         self.of_incident(cell)[self.layout.lost()]
     }
 
+    /// Add the counts of other walks of the same instrument and seed.
+    pub fn add(&mut self, other: &Tally) {
+        debug_assert_eq!((self.layout, self.bins.len()), (other.layout, other.bins.len()));
+        self.walks_per_incident += other.walks_per_incident;
+        self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);
+        self.counts += other.counts;
+    }
+
     /// Hold the counts against the plan.
     ///
     /// 1. By incident cell: walks planned = reflected + transmitted + direct + lost.

@@ -1,6 +1,7 @@
 //! One measurement.
 
 use super::engine::ChosenEngine;
+use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::distribution::{DirectionGrid, SpecificLength};
 use crate::error::{Error, Result};
@@ -13,6 +14,8 @@ use std::time::{Duration, Instant};
 
 /// Memory that the results of a run may take, in bytes.
 const MAX_BYTES: usize = 4 << 30;
+/// Most walks of one run.
+pub const MAX_WALKS: u64 = 1 << 48;
 /// Time between two looks at the noise.
 const LOOK: Duration = Duration::from_millis(200);
 
@@ -21,8 +24,8 @@ const LOOK: Duration = Duration::from_millis(200);
 pub struct Progress {
     /// Walks made.
     pub walks: u64,
-    /// Walks to be made.
-    pub planned: u64,
+    /// Walks that the run will take, as far as can be told.
+    pub planned: Option<u64>,
     /// Relative noise of the scattered light so far.
     pub noise: f64,
 }
@@ -90,30 +93,45 @@ pub fn memory(goniometer: &Goniometer) -> usize {
     bins * size_of::<u64>() + 2 * bins * size_of::<f32>() + 4 * batch
 }
 
-/// Measure a prepared scene with a chosen engine; `started` is when the work on it began.
+/// Measure a prepared scene with a chosen engine until `stop` says that it is enough; `started` is when the work on it
+/// began.
 ///
 /// # Errors
 /// Those of [`Engine::run`].
 pub fn run(
     prepared: &Prepared,
     engine: &ChosenEngine,
-    plan: &WalkPlan,
+    seed: u64,
+    stop: Stop,
     started: Instant,
     mut progress: Option<&mut dyn FnMut(Progress)>,
 ) -> Result<Measurement> {
     let Prepared { tables, goniometer, .. } = prepared;
+    let starts = goniometer.incident_cells() as u64;
+    let most = MAX_WALKS / starts;
     let begun = Instant::now();
-    let planned = plan.walks_per_incident * goniometer.incident_cells() as u64;
     let mut next_look = begun + LOOK;
-    let tally = engine.run(tables, goniometer, plan, &mut |tally| {
-        let Some(progress) = &mut progress else { return };
-        let now = Instant::now();
-        if now >= next_look {
-            progress(Progress { walks: tally.counts.finished, planned, noise: noise(tally) });
-            // A look at a large table takes its time: spend a twentieth on it at most.
-            next_look = Instant::now() + LOOK.max(20 * now.elapsed());
-        }
-    })?;
+    let mut made = 0;
+    let mut tally = engine.run(tables, goniometer, &WalkPlan::new(seed, 0), &mut |_| {})?;
+    while let Some(next) = stop.next(&tally, made, begun, most) {
+        let plan = WalkPlan { first: made, ..WalkPlan::new(seed, next - made) };
+        let part = engine.run(tables, goniometer, &plan, &mut |part| {
+            let Some(progress) = &mut progress else { return };
+            let now = Instant::now();
+            if now >= next_look {
+                let walks = tally.counts.finished + part.counts.finished;
+                // The noise of all walks, from that of the part that grows.
+                let noise = noise(part) * (part.counts.finished as f64 / walks as f64).sqrt();
+                let planned = stop.expected(noise, walks / starts, begun).map(|walks| walks * starts);
+                progress(Progress { walks, planned, noise });
+                // A look at a large table takes its time: spend a twentieth on it at most.
+                next_look = Instant::now() + LOOK.max(20 * now.elapsed());
+            }
+        })?;
+        tally.add(&part);
+        made = next;
+    }
+    tally.check(made)?;
     let seconds = Seconds {
         prepare: (begun - started).as_secs_f64(),
         walk: begun.elapsed().as_secs_f64(),

@@ -1,0 +1,98 @@
+//! When a run has made enough walks.
+
+use crate::bsdf::noise;
+use crate::goniometer::Tally;
+use std::time::{Duration, Instant};
+
+/// Walks of each cell before the first decision.
+const FIRST: u64 = 4096;
+/// Walks of each cell after which a cloth that has scattered nothing counts as one that scatters nothing.
+const NOTHING: u64 = 1 << 18;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// After so many walks of each incident cell.
+    Walks(u64),
+    /// When the relative noise of the scattered light is at most this.
+    Tolerance(f64),
+    /// When the walks have taken so long.
+    Time(Duration),
+}
+
+impl Stop {
+    /// The number of walks of each cell at which to decide next, after `made` of them; none when it is enough.
+    ///
+    /// Decisions fall at 4096·{2ʲ, 3·2ʲ⁻¹} walks, so that the result depends on the tally alone and not on the clock,
+    /// but for [`Stop::Time`].
+    pub fn next(&self, tally: &Tally, made: u64, begun: Instant, most: u64) -> Option<u64> {
+        let enough = match self {
+            Stop::Walks(walks) => return (made < *walks).then_some(*walks),
+            Stop::Tolerance(tolerance) => {
+                let noise = noise(tally);
+                noise <= *tolerance || (noise.is_infinite() && made >= NOTHING)
+            }
+            Stop::Time(time) => made > 0 && begun.elapsed() >= *time,
+        };
+        (!enough && made < most).then(|| step_after(made).min(most))
+    }
+
+    /// Walks of each cell that the whole run will take, as far as can be told after `made` of them.
+    pub fn expected(&self, noise: f64, made: u64, begun: Instant) -> Option<u64> {
+        let more = match self {
+            Stop::Walks(walks) => return Some(*walks),
+            // Noise falls with the root of the walks.
+            Stop::Tolerance(tolerance) => (noise / tolerance).powi(2),
+            Stop::Time(time) => time.as_secs_f64() / begun.elapsed().as_secs_f64(),
+        };
+        (more.is_finite() && made > 0).then(|| (made as f64 * more.max(1.0)) as u64)
+    }
+}
+
+/// The least of 4096·{2ʲ, 3·2ʲ⁻¹} above a number.
+fn step_after(made: u64) -> u64 {
+    let mut step = FIRST;
+    while step <= made {
+        // 4096·2ʲ is followed by 4096·3·2ʲ⁻¹, and that by 4096·2ʲ⁺¹.
+        step = if step.is_power_of_two() { step / 2 * 3 } else { step / 3 * 4 };
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::goniometer::{BinLayout, Origin};
+
+    #[test]
+    fn decisions_fall_at_powers_of_two_and_halfway_between() {
+        let mut made = 0;
+        let steps: Vec<u64> = (0..6)
+            .map(|_| {
+                made = step_after(made);
+                made
+            })
+            .collect();
+        assert_eq!(steps, [4096, 6144, 8192, 12288, 16384, 24576]);
+    }
+
+    #[test]
+    fn each_rule_stops_when_it_says() {
+        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let mut tally = Tally::new(origin, BinLayout { exit_cells: 1 }, 1);
+        let now = Instant::now();
+        assert_eq!(Stop::Walks(10).next(&tally, 0, now, 100), Some(10));
+        assert_eq!(Stop::Walks(10).next(&tally, 10, now, 100), None);
+        assert_eq!(Stop::Tolerance(0.05).next(&tally, 0, now, 1 << 30), Some(4096));
+        // Half of 4096 walks: noise 1/√4095 = 1.6 %.
+        tally.bins = vec![2048, 0, 2048, 0];
+        assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 1 << 30), Some(6144));
+        assert_eq!(Stop::Tolerance(0.02).next(&tally, 4096, now, 1 << 30), None);
+        assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 5000), Some(5000));
+        assert_eq!(Stop::Time(Duration::ZERO).next(&tally, 4096, now, 1 << 30), None);
+        assert_eq!(Stop::Time(Duration::from_secs(3600)).next(&tally, 6144, now, 1 << 30), Some(8192));
+        // A cloth that scatters nothing comes to an end.
+        tally.bins = vec![0, 0, NOTHING, 0];
+        assert_eq!(Stop::Tolerance(0.01).next(&tally, NOTHING, now, 1 << 40), None);
+    }
+}

@@ -9,7 +9,8 @@ use fiberwalk::distribution::DirectionGrid;
 use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
-use fiberwalk::tables::{AliasTable, SamplingTables};
+use fiberwalk::scene::Side;
+use fiberwalk::tables::{AliasTable, Kind, SamplingTables};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -90,7 +91,9 @@ fn run(case: &Case) -> (f64, Tally) {
     let tables = SamplingTables {
         thickness: 1.0,
         majorant: case.depth * 4.0 / PI,
-        ior: 1.5,
+        kinds: vec![Kind { radius: 0.01, ior: 1.5, absorption: vec![0.0] }],
+        half_length: f64::INFINITY,
+        entry_kinds: vec![0; patches.len()],
         alias: AliasTable::new(&vec![1.0; patches.len()]),
         patches,
         patch_unit: grid.unit(),
@@ -101,7 +104,7 @@ fn run(case: &Case) -> (f64, Tally) {
     } else {
         Incidence::Listed((0..disc.cells()).map(|cell| disc.direction(cell, DVec2::splat(0.5))).collect())
     };
-    let goniometer = Goniometer { incidence, exit: DiscBasis { n: 16 } };
+    let goniometer = Goniometer { incidence, exit: DiscBasis { n: 16 }, sides: vec![Side::Front] };
     let cells = goniometer.incident_cells() as u64;
     let plan = WalkPlan { jitter: case.jitter, ..WalkPlan::new(1, case.walks / cells) };
     let started = Instant::now();

@@ -1,17 +1,18 @@
 // Structures and bindings that the host shares.
 // uses: nothing
 
-/// Parameters of a run of dispatches.
+/// Parameters of a run of dispatches. A start is an incident cell of a lit side.
 struct Params {
     /// Seed of the random numbers, low word first.
     seed: vec2u,
-    /// Walk id of walk 0 of cell 0 of this batch, low word first.
+    /// Walk id of walk 0 of start 0 of this batch, low word first.
     base: vec2u,
-    /// Distance of the ids of consecutive walks of one cell.
+    /// Distance of the ids of consecutive walks of one start.
     id_stride: u32,
-    /// Incident cells of this batch.
-    cells: u32,
-    /// Walks of each cell.
+    /// Starts of this batch, and how many of them are lit from the front; these come first.
+    starts: u32,
+    front_starts: u32,
+    /// Walks of each start.
     walks: u32,
     /// Blocks of walks in all.
     blocks: u32,
@@ -22,20 +23,24 @@ struct Params {
     /// Cells along an edge of the exit basis, and in all.
     exit_n: u32,
     exit_cells: u32,
+    /// Words of `bins` that belong to one start.
+    start_words: u32,
     /// 1 / majorant, in mm.
     mean_free_path: f32,
     /// In mm.
     thickness: f32,
-    /// Refractive index, its reciprocal, and its square less 1.
-    ior: f32,
-    ior_reciprocal: f32,
-    ior_square_less_1: f32,
     /// Length of which the extents of direction patches are whole multiples.
     patch_unit: f32,
     /// Edge of an incident cell on the square.
     incident_edge: f32,
-    /// 1 / cells.
-    cells_reciprocal: f32,
+    /// 1 / starts.
+    starts_reciprocal: f32,
+    /// Half the length of the approximating cylinder in radii.
+    half_length: f32,
+    /// By kind of fiber: refractive index, its reciprocal, its square less 1; radius in mm.
+    kinds: array<vec4f, MAX_KINDS>,
+    /// By kind of fiber: the least absorption of any channel, in 1/mm.
+    clearest: vec4f,
 }
 
 /// A lane: one walk under way, one that waits to be counted, one that waits to start.
@@ -43,29 +48,40 @@ struct Lane {
     /// m, and depth z in mm.
     ray: vec4f,
     id: vec2u,
-    cell: u32,
+    start: u32,
     event: u32,
     hits: u32,
     state: u32,
     /// 1 when there are no more blocks.
     drained: u32,
     next_ready: u32,
-    /// m of the next walk.
+    /// m and depth of the next walk.
     next: vec4f,
     next_id: vec2u,
-    next_cell: u32,
+    next_start: u32,
     pending_full: u32,
     /// m of a walk that has left.
     pending: vec4f,
-    pending_cell: u32,
+    pending_id: vec2u,
+    pending_start: u32,
     pending_hits: u32,
     pending_events: u32,
-    pending_slot: u32,
-    /// The lane's block of walks: cell, next walk, end.
-    block_cell: u32,
+    /// The lane's block of walks: start, next walk, end.
+    block_start: u32,
     block_walk: u32,
     block_end: u32,
-    spare: u32,
+    /// Path length inside each kind of fiber, in mm.
+    lengths: vec4f,
+    pending_lengths: vec4f,
+    /// Logarithm of the factor by which roulette has raised the weight.
+    log_gain: f32,
+    pending_log_gain: f32,
+    /// The number of the next roulette, and whether it has been drawn.
+    roulette: f32,
+    roulette_ready: u32,
+    base_exits: u32,
+    pending_base_exits: u32,
+    spare: vec2u,
 }
 
 /// Sums over all lanes; pairs are low and high words.
@@ -78,6 +94,8 @@ struct Counters {
     tentative_high: atomic<u32>,
     collisions_low: atomic<u32>,
     collisions_high: atomic<u32>,
+    base_exits_low: atomic<u32>,
+    base_exits_high: atomic<u32>,
 }
 
 /// How one walk went.
@@ -97,6 +115,11 @@ struct Trace {
 @group(0) @binding(5) var<storage, read_write> bins: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> counters: Counters;
 @group(0) @binding(7) var<storage, read_write> traces: array<Trace>;
+/// Absorption in 1/mm by channel and kind of fiber.
+@group(0) @binding(8) var<uniform> absorption: array<vec4f, MAX_CHANNELS>;
+
+/// Kinds of fiber.
+override KINDS: u32 = 1;
 
 /// The parameters once more: reading a uniform inside a loop is a gather on some devices.
 var<private> P: Params;

@@ -13,7 +13,8 @@ fn free_path(word: u32) -> f32 {
 }
 
 /// One entry of the direction table. Word w is its alias and threshold.
-/// With jitter x, y are the patch's corner (f32) and z its extents in units; without, x, y, z are p (f32).
+/// With jitter x, y are the patch's corner (f32), z its extents in units (12 bits each) and its kind (8 bits); without,
+/// x, y, z are p (f32), and the two lowest bits of z are the kind.
 fn table_entry(index: u32) -> vec4u {
     if TABLE_IN_TEXTURE {
         return textureLoad(table_texture, vec2u(index & TEXTURE_MASK, index >> TEXTURE_BITS), 0);
@@ -29,17 +30,34 @@ fn table_index(word: u32) -> u32 {
     return select(packed >> P.threshold_bits, slot, (word & mask) < (packed & mask));
 }
 
-/// The direction p of the fiber at a tentative event, drawn with weight R f.
-fn draw_fiber(words: vec4u) -> vec3f {
+/// A fiber: its direction and its kind.
+struct Fiber {
+    p: vec3f,
+    kind: u32,
+}
+
+/// The direction p and the kind of the fiber at a tentative event, drawn together with weight R f.
+fn draw_fiber(words: vec4u) -> Fiber {
     let entry = table_entry(table_index(words.y));
     if !JITTER {
-        return bitcast<vec3f>(entry.xyz);
+        return Fiber(bitcast<vec3f>(entry.xyz), entry.z & 3u);
     }
     // Place the direction inside the patch.
-    let extent = vec2f(f32(i32(entry.z & 0xffffu)), f32(i32(entry.z >> 16u))) * P.patch_unit;
+    let extent = vec2f(f32(i32(entry.z & 0xfffu)), f32(i32((entry.z >> 12u) & 0xfffu))) * P.patch_unit;
     let square = bitcast<vec2f>(entry.xy) + extent * vec2f(uniform_fine(words.z), uniform_fine(words.w));
     // Lift it to the hemisphere: disc radius² = 1 − z.
     let azimuth = concentric_azimuth(square);
     let radius = azimuth.z;
-    return vec3f(azimuth.xy * (radius * sqrt(2.0 - radius * radius)), (1.0 - radius) * (1.0 + radius));
+    let p = vec3f(azimuth.xy * (radius * sqrt(2.0 - radius * radius)), (1.0 - radius) * (1.0 + radius));
+    return Fiber(p, entry.z >> 24u);
+}
+
+/// Index, its reciprocal, its square less 1, and radius of a kind of fiber.
+fn kind_optics(kind: u32) -> vec4f {
+    if KINDS == 1u {
+        return P.kinds[0];
+    }
+    let low = select(P.kinds[0], P.kinds[1], kind == 1u);
+    let high = select(P.kinds[2], P.kinds[3], kind == 3u);
+    return select(low, high, kind > 1u);
 }

@@ -31,21 +31,23 @@ fn probe_free_path(@builtin(global_invocation_id) call: vec3u) {
 fn probe_draw_fiber(@builtin(global_invocation_id) call: vec3u) {
     P = params;
     let words = probe_inputs[call.x].a;
-    probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words)), table_index(words.y));
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words).p), table_index(words.y));
 }
 
-/// a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32).
+/// a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32), c.x = kind; gives m and the path in radii, negative when the light
+/// left through a base.
 @compute @workgroup_size(64)
 fn probe_scatter(@builtin(global_invocation_id) call: vec3u) {
     P = params;
     let a = bitcast<vec4f>(probe_inputs[call.x].a);
     let b = bitcast<vec4f>(probe_inputs[call.x].b);
     let across = cross(a.xyz, b.xyz);
-    let out = scatter(a.xyz, b.xyz, across, length(across), a.w, b.w);
-    probe_outputs[call.x] = vec4u(bitcast<vec3u>(out), 0u);
+    let optics = kind_optics(probe_inputs[call.x].c.x);
+    let out = scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
+    probe_outputs[call.x] = bitcast<vec4u>(vec4f(out.m, select(out.path, -out.path, out.through_base == 1u)));
 }
 
-/// a = words, b.x = cell.
+/// a = words, b.x = start.
 @compute @workgroup_size(64)
 fn probe_start_direction(@builtin(global_invocation_id) call: vec3u) {
     P = params;
@@ -53,10 +55,10 @@ fn probe_start_direction(@builtin(global_invocation_id) call: vec3u) {
     probe_outputs[call.x] = vec4u(bitcast<vec3u>(start_direction(input.b.x, input.a)), 0u);
 }
 
-/// a.xyz = m (f32), b.x = hits.
+/// a.xyz = m (f32), b.x = hits, b.y = start.
 @compute @workgroup_size(64)
 fn probe_exit_bin(@builtin(global_invocation_id) call: vec3u) {
     P = params;
     let input = probe_inputs[call.x];
-    probe_outputs[call.x] = vec4u(exit_bin(bitcast<vec3f>(input.a.xyz), input.b.x), 0u, 0u, 0u);
+    probe_outputs[call.x] = vec4u(exit_bin(input.b.y, bitcast<vec3f>(input.a.xyz), input.b.x), 0u, 0u, 0u);
 }

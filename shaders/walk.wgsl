@@ -1,5 +1,5 @@
 // The kernel: one flat loop, one tentative event of one walk per lane and pass.
-// uses: layout, rng, medium, cylinder, goniometer
+// uses: layout, rng, medium, cylinder, goniometer, score
 
 override WORKGROUP: u32 = 64;
 /// Passes of a dispatch.
@@ -8,6 +8,8 @@ override BUDGET: u32 = 4096;
 override FLUSH_EVERY: u32 = 6;
 /// Record how every walk went.
 override TRACE: bool = false;
+/// Let Russian roulette end walks that carry little light.
+override ROULETTE: bool = false;
 
 const IDLE: u32 = 0u;
 const WALKING: u32 = 1u;
@@ -19,6 +21,7 @@ struct Sums {
     finished: u32,
     tentative: u32,
     collisions: u32,
+    base_exits: u32,
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -49,61 +52,111 @@ fn step(lane: ptr<function, Lane>) {
     let z = (*lane).ray.w + m.z * free_path(words.x);
     let inside = z <= 0.0 && z >= -P.thickness;
     // Draw the fiber there and see whether the ray hits it.
-    let p = draw_fiber(words);
-    let across = cross(m, p);
+    let fiber = draw_fiber(words);
+    let across = cross(m, fiber.p);
     let visible = max(length(across), 1e-12);
     let accept = uniform_open(words.z);
     let hit = inside && accept < visible;
     let offset = 2.0 * uniform_open(words.w) - 1.0;
     // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
     let number = select(0.0, accept / visible, hit);
-    let scattered = scatter(m, p, across, visible, offset, number);
+    let optics = kind_optics(fiber.kind);
+    let passage = scatter(m, fiber.p, across, visible, optics, offset, number);
+    if ABSORBING {
+        let length = select(0.0, passage.path * optics.w, walking && hit);
+        (*lane).lengths += select(vec4f(0.0), vec4f(length), vec4u(0u, 1u, 2u, 3u) == vec4u(select(0u, fiber.kind, KINDS > 1u)));
+    }
+    if BASES {
+        (*lane).base_exits += select(0u, passage.through_base, walking && hit);
+    }
     // Give up a walk of too many events: no direction at all is counted as lost.
     let event = (*lane).event + select(0u, 1u, walking);
+    let ended = walking && inside && roulette_ends(lane, event);
     let lost = inside && event >= P.max_events;
-    let turned = select(select(m, scattered, hit), vec3f(0.0), lost);
+    var turned = select(select(m, passage.m, hit), vec3f(0.0), lost);
+    turned = select(turned, vec3f(2.0, 0.0, 0.0), ended);
     (*lane).ray = select((*lane).ray, vec4f(turned, z), walking);
     (*lane).event = event;
     (*lane).hits += select(0u, 1u, walking && hit);
-    (*lane).state = select((*lane).state, LEFT, walking && (!inside || lost));
+    (*lane).state = select((*lane).state, LEFT, walking && (!inside || lost || ended));
     change_walk(lane);
+}
+
+/// Play Russian roulette, every 16 events, with a walk whose brightest channel may have kept little: it goes on with the
+/// probability of what it kept, and then carries all of it.
+fn roulette_ends(lane: ptr<function, Lane>, event: u32) -> bool {
+    if !ROULETTE {
+        return false;
+    }
+    let due = (*lane).state == WALKING && event % ROULETTE_EVERY == 0u;
+    let depth = dot(P.clearest, (*lane).lengths);
+    let kept = exp((*lane).log_gain - depth);
+    let played = due && kept < ROULETTE_BELOW;
+    (*lane).log_gain = select((*lane).log_gain, depth, played);
+    (*lane).roulette_ready = select((*lane).roulette_ready, 0u, due);
+    return played && (*lane).roulette >= kept;
 }
 
 /// Park a walk that has left, if the place is free, and start the one that waits.
 fn change_walk(lane: ptr<function, Lane>) {
     let leaving = (*lane).state == LEFT && (*lane).pending_full == 0u;
     (*lane).pending = select((*lane).pending, (*lane).ray, leaving);
-    (*lane).pending_cell = select((*lane).pending_cell, (*lane).cell, leaving);
+    (*lane).pending_start = select((*lane).pending_start, (*lane).start, leaving);
     (*lane).pending_hits = select((*lane).pending_hits, (*lane).hits, leaving);
     (*lane).pending_events = select((*lane).pending_events, (*lane).event, leaving);
     (*lane).pending_full = select((*lane).pending_full, 1u, leaving);
-    if TRACE {
-        (*lane).pending_slot = select((*lane).pending_slot, (*lane).id.x - P.base.x, leaving);
+    if TRACE || ABSORBING {
+        (*lane).pending_id = select((*lane).pending_id, (*lane).id, leaving);
+    }
+    if ABSORBING {
+        (*lane).pending_lengths = select((*lane).pending_lengths, (*lane).lengths, leaving);
+        (*lane).pending_log_gain = select((*lane).pending_log_gain, (*lane).log_gain, leaving);
+    }
+    if BASES {
+        (*lane).pending_base_exits = select((*lane).pending_base_exits, (*lane).base_exits, leaving);
     }
     let free = leaving || (*lane).state == IDLE;
     let starting = free && (*lane).next_ready == 1u;
     (*lane).state = select(select((*lane).state, IDLE, free), WALKING, starting);
-    (*lane).ray = select((*lane).ray, vec4f((*lane).next.xyz, 0.0), starting);
+    (*lane).ray = select((*lane).ray, (*lane).next, starting);
     (*lane).id = select((*lane).id, (*lane).next_id, starting);
-    (*lane).cell = select((*lane).cell, (*lane).next_cell, starting);
+    (*lane).start = select((*lane).start, (*lane).next_start, starting);
     (*lane).event = select((*lane).event, 0u, starting);
     (*lane).hits = select((*lane).hits, 0u, starting);
     (*lane).next_ready = select((*lane).next_ready, 0u, starting);
+    if ABSORBING {
+        (*lane).lengths = select((*lane).lengths, vec4f(0.0), starting);
+        (*lane).log_gain = select((*lane).log_gain, 0.0, starting);
+        (*lane).roulette_ready = select((*lane).roulette_ready, 0u, starting);
+    }
+    if BASES {
+        (*lane).base_exits = select((*lane).base_exits, 0u, starting);
+    }
 }
 
 /// Count the walk that waits to be counted, and ready the next one.
 fn flush(lane: ptr<function, Lane>, sums: ptr<function, Sums>) {
     if (*lane).pending_full == 1u {
-        let bin = exit_bin((*lane).pending.xyz, (*lane).pending_hits);
-        atomicAdd(&bins[(*lane).pending_cell * (2u * P.exit_cells + 2u) + bin], 1u);
+        let start = (*lane).pending_start;
+        let bin = exit_bin(start, (*lane).pending.xyz, (*lane).pending_hits);
+        atomicAdd(&bins[start * P.start_words + bin], 1u);
+        if ABSORBING {
+            score(start, bin, (*lane).pending_id, (*lane).pending_log_gain, (*lane).pending_lengths);
+        }
         if TRACE {
-            let slot = (*lane).pending_slot;
+            let slot = (*lane).pending_id.x - P.base.x;
             traces[slot] = Trace(bin, (*lane).pending_events, (*lane).pending_hits, traces[slot].counted + 1u);
         }
         (*sums).finished += 1u;
         (*sums).tentative += (*lane).pending_events;
         (*sums).collisions += (*lane).pending_hits;
+        (*sums).base_exits += (*lane).pending_base_exits;
         (*lane).pending_full = 0u;
+    }
+    if ROULETTE && (*lane).roulette_ready == 0u {
+        let counter = vec4u((*lane).id, (*lane).event / ROULETTE_EVERY, PURPOSE_ROULETTE);
+        (*lane).roulette = uniform_open(threefry(P.seed, counter).x);
+        (*lane).roulette_ready = 1u;
     }
     if (*lane).next_ready == 0u && (*lane).drained == 0u {
         if (*lane).block_walk == (*lane).block_end {
@@ -116,30 +169,31 @@ fn flush(lane: ptr<function, Lane>, sums: ptr<function, Sums>) {
     }
 }
 
-/// Take the next block of walks; a block belongs to one cell.
+/// Take the next block of walks; a block belongs to one start.
 fn fetch_block(lane: ptr<function, Lane>) {
     let block = atomicAdd(&counters.next_block, 1u);
     if block >= P.blocks {
         (*lane).drained = 1u;
         return;
     }
-    // Divide by the number of cells in f32: exact after one correction, as blocks stay below 2²⁴.
-    var row = u32(f32(block) * P.cells_reciprocal);
-    row = select(row, row - 1u, row * P.cells > block);
-    row = select(row, row + 1u, (row + 1u) * P.cells <= block);
-    (*lane).block_cell = block - row * P.cells;
+    // Divide by the number of starts in f32: exact after one correction, as blocks stay below 2²⁴.
+    var row = u32(f32(block) * P.starts_reciprocal);
+    row = select(row, row - 1u, row * P.starts > block);
+    row = select(row, row + 1u, (row + 1u) * P.starts <= block);
+    (*lane).block_start = block - row * P.starts;
     (*lane).block_walk = row * BLOCK;
     (*lane).block_end = min(row * BLOCK + BLOCK, P.walks);
 }
 
-/// Draw the start of the block's next walk, id = base + i·stride + cell.
+/// Draw the start of the block's next walk, id = base + i·stride + start.
 fn ready_next(lane: ptr<function, Lane>) {
-    let cell = (*lane).block_cell;
-    let low = P.base.x + (*lane).block_walk * P.id_stride + cell;
+    let start = (*lane).block_start;
+    let low = P.base.x + (*lane).block_walk * P.id_stride + start;
     let id = vec2u(low, P.base.y + select(0u, 1u, low < P.base.x));
-    (*lane).next = vec4f(start_direction(cell, threefry(P.seed, vec4u(id, 0u, PURPOSE_START))), 0.0);
+    let words = threefry(P.seed, vec4u(id, 0u, PURPOSE_START));
+    (*lane).next = vec4f(start_direction(start, words), start_depth(start));
     (*lane).next_id = id;
-    (*lane).next_cell = cell;
+    (*lane).next_start = start;
     (*lane).next_ready = 1u;
     (*lane).block_walk += 1u;
 }
@@ -156,5 +210,9 @@ fn add_sums(sums: Sums, resumed: u32) {
     let collisions = atomicAdd(&counters.collisions_low, sums.collisions);
     if collisions + sums.collisions < collisions {
         atomicAdd(&counters.collisions_high, 1u);
+    }
+    let base_exits = atomicAdd(&counters.base_exits_low, sums.base_exits);
+    if base_exits + sums.base_exits < base_exits {
+        atomicAdd(&counters.base_exits_high, 1u);
     }
 }

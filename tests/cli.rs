@@ -107,6 +107,53 @@ fn flags_have_their_way_over_the_file() {
 }
 
 #[test]
+fn a_dyed_cloth_shows_its_channels_on_both_sides() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cloth = |absorption: &str, more: &str| {
+        let text = format!(
+            "[fiber.f]\nradius_um = 10\nior = 1.5\nabsorption_per_mm = {absorption}\n[sheet]\nthickness_um = 400\n\
+             [[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = 300\norientation = \"isotropic\"\n{more}"
+        );
+        std::fs::write(folder.path().join("dyed.toml"), text).expect("it can be written");
+    };
+    std::fs::write(folder.path().join("f.csv"), "300, 1\n800, 30\n").expect("it can be written");
+    let spectrum = "{ spectrum = \"f.csv\" }";
+    let three = "[measure]\nwavelengths_nm = [450, 550.5]\n";
+    // Of many channels the first, the middle and the last are printed.
+    let ends = ["T.400,000000nm", "T.550,000000nm", "T.700,000000nm"];
+    for (absorption, more, names, all) in [
+        ("5", "", &[][..], 1),
+        ("{ rgb = [1, 5, 30] }", "", &["R", "G", "B"], 3),
+        (spectrum, three, &["T.450,000000nm", "T.550,500000nm"], 2),
+        (spectrum, "", &ends, 31),
+    ] {
+        for engine in ["gpu", "cpu"] {
+            cloth(absorption, more);
+            let arguments =
+                ["--sides", "front,back", "--incident", "2", "--walks", "500", "--engine", engine, "--force"];
+            let (output, summary) = measure(folder.path(), &[&["dyed.toml"][..], &arguments].concat());
+            let printed = text(&output.stdout);
+            let labels: Vec<&str> = printed.lines().filter(|line| line.starts_with(['f', 'b'])).collect();
+            let labelled = |side: &str| match names {
+                [] => vec![side.to_owned()],
+                names => names.iter().map(|name| format!("{side} {name}")).collect(),
+            };
+            assert_eq!(labels, [labelled("front"), labelled("back")].concat(), "{printed}");
+            for side in ["front", "back"] {
+                let mean = &summary["sides"][side]["hemispherical"];
+                assert_eq!(mean["absorptance"].as_object().map(|channels| channels.len()), Some(all));
+                for (channel, absorbed) in mean["absorptance"].as_object().expect("shares by channel") {
+                    assert!(absorbed["value"].as_f64() > Some(0.0) && absorbed["stderr"].as_f64() > Some(0.0));
+                    let shares = ["reflectance", "transmittance", "direct", "absorptance"];
+                    let sum: f64 = shares.iter().filter_map(|key| mean[key][channel]["value"].as_f64()).sum();
+                    assert!((sum + mean["lost"].as_f64().expect("a number") - 1.0).abs() < 1e-12, "{side}, {channel}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn engines_lists_adapters_and_tests_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = fiberwalk(folder.path(), &["engines"]);

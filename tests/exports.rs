@@ -14,15 +14,49 @@ use std::process::Command;
 const WALKS: u64 = 2000;
 const EXIT: f64 = 16.0;
 const PRESET: &str = include_str!("../assets/cloths/nonwoven.toml");
-const PARTS: [&str; 3] = ["front.reflection", "front.transmission", "front.direct"];
-const SHARES: [&str; 3] = ["reflectance", "transmittance", "direct"];
+const SHARES: [(&str, &str); 3] =
+    [("reflection", "reflectance"), ("transmission", "transmittance"), ("direct", "direct")];
+/// Fixed-point units of the light of one walk in a cloth that absorbs.
+const WEIGHT: f64 = 4096.0;
 /// Half a unit in the last place of a 32-bit float, relative.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Two kinds of fiber that end, one of an index at which their bases let light out; lit from both sides.
+const COLOURED: &str = r#"
+[fiber.dyed]
+radius_um = 8
+ior = 1.55
+absorption_per_mm = COLOUR
+[fiber.ecru]
+fineness_dtex = 1.7
+density_g_per_cm3 = 1.52
+ior = 1.35
+absorption_per_mm = 0.4
+[sheet]
+thickness_um = 300
+[[sheet.fibers]]
+fiber = "ecru"
+length_density_per_mm2 = 300
+orientation = "planar"
+[[sheet.fibers]]
+fiber = "dyed"
+length_density_per_mm2 = 150
+orientation = "aligned"
+axis = [1, 0.2, 0.3]
+[model]
+length_over_radius = 20
+[measure]
+sides = ["front", "back"]
+"#;
 
 /// A result folder and what its summary says.
 struct Measured {
     place: Place,
     summary: Value,
+    /// Names of the channels in the order of their letters, as the file has them.
+    channels: Vec<String>,
+    /// Units of one walk's light.
+    unit: f64,
 }
 
 impl Measured {
@@ -42,7 +76,29 @@ impl Measured {
         assert_eq!(files, ["bsdf.exr", "summary.json"].map(|file| place.path("result").join(file)));
         let summary = std::fs::read(place.path("result/summary.json")).expect("the summary is there");
         let summary = serde_json::from_slice(&summary).expect("the summary is JSON");
-        Measured { place, summary }
+        Measured { place, summary, channels: vec!["Y".into()], unit: 1.0 }
+    }
+
+    /// Measure a coloured cloth; `lines` are those of `[measure]`.
+    fn coloured(colour: &str, lines: &str, channels: &[&str]) -> (Measured, String) {
+        let text = format!("{}{lines}", COLOURED.replace("COLOUR", colour));
+        let measured = Measured::new("coloured.toml", Some(text.as_bytes()), &["--incident", "4"]);
+        let channels = channels.iter().map(|name| (*name).to_owned()).collect();
+        (Measured { channels, unit: WEIGHT, ..measured }, text)
+    }
+
+    /// Parts in the order of the file: names, and the side and share of the summary.
+    fn parts(&self) -> Vec<(String, &str, &'static str)> {
+        let sides = ["front", "back"].into_iter().filter(|side| self.summary["sides"].get(side).is_some());
+        sides.flat_map(|side| SHARES.map(|(part, share)| (format!("{side}.{part}"), side, share))).collect()
+    }
+
+    /// Names of a part's channels, in the order of their letters.
+    fn labels(&self) -> Vec<String> {
+        let mut labels = self.channels.clone();
+        labels.extend(self.channels.iter().map(|name| format!("stderr.{name}")));
+        labels.sort();
+        labels
     }
 
     fn preset() -> Measured {
@@ -62,11 +118,11 @@ impl Measured {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
             "cloth": cloth,
-            "model": { "tracking": "null-collision", "placement": "at-hit", "directions": 1024 },
+            "model": self.summary["model"],
             "incident": incident,
             "exit": 16,
             "seed": 7,
-            "walks": self.incident().len() as u64 * WALKS,
+            "walks": (self.parts().len() / 3 * self.incident().len()) as u64 * WALKS,
             "engine": "cpu",
             "adapter": self.summary["adapter"],
         })
@@ -116,7 +172,6 @@ struct Channel {
     kind: String,
     shape: [usize; 2],
     pixels: Vec<Vec<f64>>,
-    row_sums: Vec<f64>,
 }
 
 /// Read a file with the OpenEXR library's Python module.
@@ -165,17 +220,19 @@ fn header(part: &str) -> Header {
 }
 
 /// Hold the headers against what was measured.
-fn check_headers(found: &[Header], incident: usize, attribute: &Value) -> Result<(), String> {
+fn check_headers(found: &[Header], measured: &Measured, incident: usize, attribute: &Value) -> Result<(), String> {
     let names: Vec<&str> = found.iter().map(|header| header.name.as_str()).collect();
-    ensure(names == PARTS, || format!("the parts are {names:?}"))?;
+    ensure(measured.parts().iter().map(|part| &part.0).eq(&names), || format!("the parts are {names:?}"))?;
     for header in found {
         let Header { name, channels, window, .. } = header;
         let [columns, rows] = size(name, incident);
         let expected = format!("(0 0) - ({} {})", columns - 1, rows - 1);
         ensure(*window == expected, || format!("{name}: the window is {window}, not {expected}"))?;
         let kinds: Vec<[&str; 2]> = channels.iter().map(|line| first_two(line)).collect();
-        let expected = ["Y", "stderr.Y"].map(|channel| [channel, "32-bit floating-point"]);
-        ensure(kinds == expected, || format!("{name}: the channels are {channels:?}"))?;
+        let expected = measured.labels();
+        ensure(expected.iter().map(|label| [label, "32-bit floating-point"]).eq(kinds), || {
+            format!("{name}: the channels are {channels:?}")
+        })?;
         ensure(header.attribute == *attribute, || format!("{name}: the attribute is {}", header.attribute))?;
     }
     Ok(())
@@ -188,64 +245,105 @@ fn first_two(line: &str) -> [&str; 2] {
 
 /// Columns and rows of a part.
 fn size(part: &str, incident: usize) -> [usize; 2] {
-    if part == "front.direct" { [incident, 1] } else { [(EXIT * EXIT) as usize, incident] }
+    if part.ends_with(".direct") { [incident, 1] } else { [(EXIT * EXIT) as usize, incident] }
 }
 
 /// Hold the pixels against the summary.
-fn check_pixels(found: &[Part], summary: &[Value], attribute: &Value) -> Result<(), String> {
+fn check_pixels(found: &[Part], measured: &Measured, attribute: &Value) -> Result<(), String> {
     let names: Vec<&str> = found.iter().map(|part| part.name.as_str()).collect();
-    ensure(names == PARTS, || format!("the parts are {names:?}"))?;
-    for (part, share) in found.iter().zip(SHARES) {
+    let parts = measured.parts();
+    ensure(parts.iter().map(|part| &part.0).eq(&names), || format!("the parts are {names:?}"))?;
+    for (part, (_, side, share)) in found.iter().zip(parts) {
         let name = &part.name;
+        let summary = measured.summary["sides"][side]["incident"].as_array().expect("the summary lists directions");
         let [columns, rows] = size(name, summary.len());
         ensure([part.columns, part.rows] == [columns, rows], || format!("{name}: {}×{}", part.columns, part.rows))?;
         ensure(part.attribute == *attribute, || format!("{name}: the attribute is {}", part.attribute))?;
-        let channels: Vec<&String> = part.channels.keys().collect();
-        ensure(channels == ["Y", "stderr.Y"], || format!("{name}: the channels are {channels:?}"))?;
+        let labels: Vec<&String> = part.channels.keys().collect();
+        ensure(measured.labels().iter().eq(labels.iter().copied()), || format!("{name}: the channels are {labels:?}"))?;
         for (label, channel) in &part.channels {
             let right = channel.kind == "float32" && channel.shape == [rows, columns];
             ensure(right, || format!("{name}: {label} is {} of shape {:?}", channel.kind, channel.shape))?;
         }
-        let [values, errors] = [&part.channels["Y"], &part.channels["stderr.Y"]];
         // A direct pixel is a share of the walks; the others are shares over a projected solid angle.
-        let unit = if share == "direct" { 1.0 } else { PI / (EXIT * EXIT) };
-        for (value, error) in values.pixels.iter().flatten().zip(errors.pixels.iter().flatten()) {
-            check_cell(value * unit, error * unit).map_err(|message| format!("{name}: {message}"))?;
-        }
-        let sums = if share == "direct" { values.pixels[0].clone() } else { values.row_sums.clone() };
-        for (cell, sum) in sums.iter().enumerate() {
-            let place = format!("{share} of incident cell {cell}");
-            check_total(sum * unit, &summary[cell][share]["Y"]).map_err(|message| format!("{place}: {message}"))?;
+        let direct = share == "direct";
+        let (solid_angle, unit) = if direct { (1.0, 1.0) } else { (PI / (EXIT * EXIT), measured.unit) };
+        for channel in &measured.channels {
+            let [values, errors] = [&part.channels[channel], &part.channels[&format!("stderr.{channel}")]];
+            let cells = values.pixels.iter().flatten().zip(errors.pixels.iter().flatten());
+            for (value, error) in cells {
+                check_cell(value * solid_angle, error * solid_angle, unit)
+                    .map_err(|message| format!("{name} {channel}: {message}"))?;
+            }
+            for (cell, entry) in summary.iter().enumerate() {
+                let total = &entry[share][channel];
+                let checked = if direct {
+                    check_total(&values.pixels[0][cell..=cell], &errors.pixels[0][cell..=cell], 1.0, total)
+                } else {
+                    check_total(&values.pixels[cell], &errors.pixels[cell], solid_angle, total)
+                };
+                checked.map_err(|message| format!("{side}: {share} of incident cell {cell}, {channel}: {message}"))?;
+            }
         }
     }
     Ok(())
 }
 
-/// A share must be a whole number of walks, with the binomial error of its mean.
-fn check_cell(share: f64, error: f64) -> Result<(), String> {
-    let count = (share * WALKS as f64).round();
-    let counted = count / WALKS as f64;
+/// A share must be a whole number of units of light, with an error that weights from 0 to 1 can have; whole walks have
+/// the binomial one.
+fn check_cell(share: f64, error: f64, unit: f64) -> Result<(), String> {
+    let counted = (share * WALKS as f64 * unit).round() / (WALKS as f64 * unit);
     ensure((share - counted).abs() <= 1.01 * ROUNDING * counted, || {
         format!("{share} is not a share of {WALKS} walks")
     })?;
-    let expected = binomial_error(counted);
-    ensure((error - expected).abs() <= 1.01 * ROUNDING * expected, || {
-        format!("the stderr of {share} is {error}, not {expected}")
+    let most = binomial_error(counted);
+    // Equal weights of all walks have no error.
+    let least = if unit == 1.0 || counted == 0.0 { most } else { 0.0 };
+    let room = 1.01 * ROUNDING * most;
+    ensure(error >= least - room && error <= most + room, || {
+        format!("the stderr of {share} is {error}, not {least} to {most}")
     })
 }
 
-/// The sum of the pixels must be the total of the summary, with the binomial error of the sum.
-fn check_total(sum: f64, total: &Value) -> Result<(), String> {
+/// The sum of the pixels must be the total of the summary, and so must be the sum of their second moments.
+fn check_total(pixels: &[f64], errors: &[f64], solid_angle: f64, total: &Value) -> Result<(), String> {
     let [value, error] = ["value", "stderr"].map(|key| total[key].as_f64().unwrap_or(f64::NAN));
+    let sum: f64 = pixels.iter().sum::<f64>() * solid_angle;
     ensure((sum - value).abs() <= 1.01 * ROUNDING * value, || format!("the pixels give {sum}, the summary {value}"))?;
-    let expected = binomial_error(value);
-    ensure((error - expected).abs() <= 1e-12, || format!("the stderr of {value} is {error}, not {expected}"))
+    if value == 0.0 || value == 1.0 {
+        return ensure(error == 1.0 / WALKS as f64, || {
+            format!("the stderr of {value} is {error}, not that of one walk")
+        });
+    }
+    // ⟨w²⟩ = σ²(W − 1) + ⟨w⟩²; a walk leaves in one cell, so its square counts once.
+    let square = |value: f64, error: f64| error * error * (WALKS as f64 - 1.0) + value * value;
+    let lit = pixels.iter().zip(errors).filter(|(pixel, _)| **pixel > 0.0);
+    let squares: f64 = lit.map(|(pixel, error)| square(pixel * solid_angle, error * solid_angle)).sum();
+    let expected = square(value, error);
+    ensure((squares - expected).abs() <= 4.0 * ROUNDING * expected, || {
+        format!("the stderr of {value} is {error}: a second moment of {expected}, but the pixels give {squares}")
+    })
 }
 
 /// √(P(1 − P)/(W − 1)); none and all of the walks have the error of one.
 fn binomial_error(share: f64) -> f64 {
     let walks = WALKS as f64;
     if share == 0.0 || share == 1.0 { 1.0 / walks } else { (share * (1.0 - share) / (walks - 1.0)).sqrt() }
+}
+
+/// The shares of every incident direction and channel, and of their mean, must be all of the light.
+fn check_shares(measured: &Measured) {
+    for (side, found) in measured.summary["sides"].as_object().expect("sides by name") {
+        let incident = found["incident"].as_array().expect("the summary lists directions");
+        for entry in incident.iter().chain([&found["hemispherical"]]) {
+            for channel in &measured.channels {
+                let share = |key: &str| entry[key][channel]["value"].as_f64().expect("a share is a number");
+                let shares = ["reflectance", "transmittance", "direct", "absorptance"].map(share);
+                let sum = shares.iter().sum::<f64>() + entry["lost"].as_f64().expect("a share is a number");
+                assert!((sum - 1.0).abs() < 1e-12, "{side}, {channel}: {shares:?} and lost add up to {sum}");
+            }
+        }
+    }
 }
 
 fn ensure(holds: bool, message: impl FnOnce() -> String) -> Result<(), String> {
@@ -257,8 +355,8 @@ fn a_table_over_the_disc_reads_back_as_it_was_measured() {
     let measured = Measured::preset();
     let attribute = measured.attribute(PRESET, json!(8));
     assert_eq!(measured.incident().len(), 64);
-    check_headers(&headers(&measured.exr()), 64, &attribute).expect("exrheader shows what was measured");
-    check_pixels(&read(&measured.exr()), measured.incident(), &attribute).expect("the pixels are what was measured");
+    check_headers(&headers(&measured.exr()), &measured, 64, &attribute).expect("exrheader shows what was measured");
+    check_pixels(&read(&measured.exr()), &measured, &attribute).expect("the pixels are what was measured");
 }
 
 #[test]
@@ -269,8 +367,8 @@ fn a_list_of_directions_reads_back_as_it_was_measured() {
     for (cell, [theta, phi]) in [[30.0, 10.0], [60.0, 100.0]].into_iter().enumerate() {
         assert!((angle(cell, "theta_deg") - theta).abs() < 1e-9 && (angle(cell, "phi_deg") - phi).abs() < 1e-9);
     }
-    check_headers(&headers(&measured.exr()), 2, &attribute).expect("exrheader shows what was measured");
-    check_pixels(&read(&measured.exr()), measured.incident(), &attribute).expect("the pixels are what was measured");
+    check_headers(&headers(&measured.exr()), &measured, 2, &attribute).expect("exrheader shows what was measured");
+    check_pixels(&read(&measured.exr()), &measured, &attribute).expect("the pixels are what was measured");
 }
 
 #[test]
@@ -280,15 +378,95 @@ fn a_cloth_file_beyond_ascii_survives_byte_for_byte() {
     let measured = Measured::new("α µ.toml", Some(cloth.as_bytes()), &["--incident", "2"]);
     assert_eq!(measured.summary["name"], "spunlace α\t10 µm");
     let attribute = measured.attribute(&cloth, json!(2));
-    check_headers(&headers(&measured.exr()), 4, &attribute).expect("exrheader shows the cloth file");
-    check_pixels(&read(&measured.exr()), measured.incident(), &attribute).expect("the attribute holds the cloth file");
+    check_headers(&headers(&measured.exr()), &measured, 4, &attribute).expect("exrheader shows the cloth file");
+    check_pixels(&read(&measured.exr()), &measured, &attribute).expect("the attribute holds the cloth file");
+}
+
+#[test]
+fn the_model_is_told_with_its_defaults() {
+    let model = |length: Value| {
+        json!({
+            "tracking": "null-collision", "placement": "at-hit", "directions": 1024, "length_over_radius": length,
+        })
+    };
+    let preset = Measured::listed();
+    assert_eq!(preset.summary["model"], model(Value::Null));
+    assert_eq!(preset.summary["base_exits"], 0);
+    let (coloured, _) = Measured::coloured("1", "", &["Y"]);
+    assert_eq!(coloured.summary["model"], model(json!(20.0)));
+    assert!(coloured.summary["base_exits"].as_u64() > Some(0), "light leaves through bases");
+}
+
+#[test]
+fn a_cloth_in_three_colours_lit_from_both_sides_reads_back_as_it_was_measured() {
+    let (measured, text) = Measured::coloured("{ rgb = [18.0, 7.0, 0] }", "", &["B", "G", "R"]);
+    check_coloured(&measured, &text);
+}
+
+#[test]
+fn a_cloth_with_a_spectrum_reads_back_as_it_was_measured() {
+    // The library orders names of channels by their letters, so 1000 comes before 450.5.
+    let channels = ["T.1000,000000nm", "T.450,500000nm", "T.550,000000nm"];
+    let place = Place::new();
+    place.write("dye.csv", "nm, 1/mm\n400, 40\n550, 10\n1000, 1\n");
+    let file = place.path("dye.csv");
+    let colour = format!("{{ spectrum = {:?} }}", file.to_str().expect("the path is a text"));
+    let (measured, text) = Measured::coloured(&colour, "wavelengths_nm = [450.5, 550, 1000]\n", &channels);
+    check_coloured(&measured, &text);
+    let dark = |channel: &str| {
+        measured.summary["sides"]["back"]["hemispherical"]["absorptance"][channel]["value"].as_f64().expect("a number")
+    };
+    assert!(dark(channels[1]) > dark(channels[2]) && dark(channels[2]) > dark(channels[0]));
+}
+
+fn check_coloured(measured: &Measured, text: &str) {
+    let attribute = measured.attribute(text, json!(4));
+    assert_eq!(measured.parts().len(), 6);
+    check_headers(&headers(&measured.exr()), measured, 16, &attribute).expect("exrheader shows what was measured");
+    let parts = read(&measured.exr());
+    check_pixels(&parts, measured, &attribute).expect("the pixels are what was measured");
+    check_shares(measured);
+    // Channels must not be copies of one another, nor sides.
+    let pixels = |part: usize, channel: usize| &parts[part].channels[&measured.channels[channel]].pixels;
+    assert!(pixels(0, 0) != pixels(0, 1) && pixels(0, 1) != pixels(0, 2) && pixels(0, 0) != pixels(3, 0));
+}
+
+#[test]
+fn one_wrong_weight_does_not_pass() {
+    let (measured, text) = Measured::coloured("{ rgb = [18.0, 7.0, 0] }", "", &["B", "G", "R"]);
+    let attribute = measured.attribute(&text, json!(4));
+    let check = |path: &Path| check_pixels(&read(path), &measured, &attribute);
+    let unit = PI / (EXIT * EXIT);
+    let lit =
+        |layer: &mut FlatLayer| (0..4096).find(|index| *sample(layer, 1, *index) > 0.0).expect("some cell has light");
+    let lighter = measured.damaged(|parts| {
+        let cell = lit(&mut parts[3]);
+        let whole = WALKS as f64 * WEIGHT * unit;
+        let units = (f64::from(*sample(&mut parts[3], 1, cell)) * whole).round() - 16.0;
+        *sample(&mut parts[3], 1, cell) = (units / whole) as f32;
+    });
+    let complaint = check(&lighter).expect_err("a cell short of sixteen units of light is seen");
+    assert!(complaint.starts_with("back: reflectance of incident cell 0, G: the pixels give "), "{complaint}");
+    let surer = measured.damaged(|parts| {
+        let cell = lit(&mut parts[4]);
+        *sample(&mut parts[4], 4, cell) *= 0.99;
+    });
+    let complaint = check(&surer).expect_err("an error too small by 1 % is seen");
+    assert!(complaint.starts_with("back: transmittance of incident cell 0, G: the stderr of "), "{complaint}");
+    let swapped = measured.damaged(|parts| {
+        let name = |parts: &mut [FlatLayer], at: usize| parts[at].attributes.layer_name.take();
+        let (front, back) = (name(parts, 0), name(parts, 3));
+        (parts[0].attributes.layer_name, parts[3].attributes.layer_name) = (back, front);
+        parts.swap(0, 3);
+    });
+    assert!(check(&swapped).is_err_and(|complaint| complaint.starts_with("front: reflectance of incident cell 0")));
 }
 
 #[test]
 fn one_wrong_float_does_not_pass() {
     let measured = Measured::listed();
     let attribute = measured.attribute(PRESET, json!([[30.0, 10.0], [60.0, 100.0]]));
-    let check = |path: &Path| check_pixels(&read(path), measured.incident(), &attribute);
+    let check = |path: &Path| check_pixels(&read(path), &measured, &attribute);
     let whole = measured.damaged(|_| ());
     assert_eq!(check(&whole), Ok(()), "a copy without damage passes");
     // Move the light of one walk out of one cell, with the error that belongs to the rest.
@@ -299,15 +477,15 @@ fn one_wrong_float_does_not_pass() {
         *sample(&mut parts[0], 1, 100) = (binomial_error(share) / unit) as f32;
     });
     let complaint = check(&lighter).expect_err("a cell short of one walk is seen");
-    assert!(complaint.starts_with("reflectance of incident cell 0: the pixels give "), "{complaint}");
+    assert!(complaint.starts_with("front: reflectance of incident cell 0, Y: the pixels give "), "{complaint}");
     let nudged = measured.damaged(|parts| *sample(&mut parts[1], 0, 300) *= 1.0 + 4.0 * f32::EPSILON);
     let complaint = check(&nudged).expect_err("a cell off by four units in the last place is seen");
     assert!(complaint.contains("is not a share of 2000 walks"), "{complaint}");
     let surer = measured.damaged(|parts| *sample(&mut parts[1], 1, 300) *= 0.99);
     let complaint = check(&surer).expect_err("an error too small by 1 % is seen");
-    assert!(complaint.starts_with("front.transmission: the stderr of "), "{complaint}");
+    assert!(complaint.starts_with("front.transmission Y: the stderr of "), "{complaint}");
     let direct = measured.damaged(|parts| *sample(&mut parts[2], 0, 1) += 1.0 / WALKS as f32);
-    assert!(check(&direct).is_err_and(|complaint| complaint.starts_with("front.direct: ")));
+    assert!(check(&direct).is_err_and(|complaint| complaint.starts_with("front.direct Y: ")));
 }
 
 #[test]
@@ -316,11 +494,14 @@ fn a_wrong_header_does_not_pass() {
     let attribute = measured.attribute(PRESET, json!([[30.0, 10.0], [60.0, 100.0]]));
     let swapped = measured.damaged(|parts| parts.swap(0, 1));
     assert!(
-        check_headers(&headers(&swapped), 2, &attribute).is_err_and(|complaint| complaint.starts_with("the parts"))
+        check_headers(&headers(&swapped), &measured, 2, &attribute)
+            .is_err_and(|complaint| complaint.starts_with("the parts"))
     );
-    assert!(check_pixels(&read(&swapped), measured.incident(), &attribute).is_err());
+    assert!(check_pixels(&read(&swapped), &measured, &attribute).is_err());
     let whole = headers(&measured.exr());
-    assert!(check_headers(&whole, 3, &attribute).is_err_and(|complaint| complaint.contains("the window is")));
+    assert!(
+        check_headers(&whole, &measured, 3, &attribute).is_err_and(|complaint| complaint.contains("the window is"))
+    );
     let other = measured.attribute(&PRESET.replacen('6', "9", 1), json!([[30.0, 10.0], [60.0, 100.0]]));
-    assert!(check_headers(&whole, 2, &other).is_err_and(|complaint| complaint.contains("the attribute is")));
+    assert!(check_headers(&whole, &measured, 2, &other).is_err_and(|complaint| complaint.contains("the attribute is")));
 }

@@ -2,6 +2,7 @@
 
 use fiberwalk::gpu::layout::{BINDINGS, Resource, STRUCTS};
 use fiberwalk::gpu::shader::Shader;
+use fiberwalk::scene::MAX_KINDS;
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use std::collections::BTreeSet;
 
@@ -17,6 +18,9 @@ fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
     match module.types[ty].inner {
         TypeInner::Scalar(kind) | TypeInner::Atomic(kind) => scalar(kind).into(),
         TypeInner::Vector { size, scalar: kind } => format!("[{}; {}]", scalar(kind), size as u8),
+        TypeInner::Array { base, size: naga::ArraySize::Constant(size), .. } => {
+            format!("[{}; {size}]", rust_type(module, base))
+        }
         _ => "a type that hosts do not share".into(),
     }
 }
@@ -34,11 +38,16 @@ fn structure(module: &Module, name: &str) -> Option<(Members, usize)> {
     })
 }
 
+/// A Rust type with its named lengths in digits.
+fn spelt_out(ty: &str) -> String {
+    ty.replace("MAX_KINDS", &MAX_KINDS.to_string())
+}
+
 /// How a structure of the module differs from its mirror.
 fn difference(module: &Module, name: &str, size: usize, fields: &[(&str, usize, usize, &str)]) -> Option<String> {
     let (members, span) = structure(module, name)?;
     let mirror: Members =
-        fields.iter().map(|(field, offset, _, ty)| ((*field).to_owned(), *offset, (*ty).to_owned())).collect();
+        fields.iter().map(|(field, offset, _, ty)| ((*field).to_owned(), *offset, spelt_out(ty))).collect();
     if members != mirror {
         return Some(format!("{name}: WGSL has {members:?}, Rust has {mirror:?}"));
     }

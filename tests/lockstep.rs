@@ -6,7 +6,7 @@ mod common;
 use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
-use fiberwalk::reference::{Replay, replay};
+use fiberwalk::reference::{Replay, Walked, replay};
 use fiberwalk::walk::{WalkPlan, WalkRecord};
 
 /// Rounding errors of a walk stay below this share of a decision's scale: a few ulps of f32, 1.2e-7 each, for each of
@@ -34,7 +34,8 @@ fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
     let mut bins = vec![0; tally.bins.len()];
     for (slot, record) in records.iter().enumerate() {
         let (i, cell) = (slot / cells, slot % cells);
-        let Replay { record: expected, nearest_tie } = replay(&tables, &goniometer, &plan, cell, i as u64);
+        let Replay { walked: Walked { record: expected, .. }, nearest_tie } =
+            replay(&tables, &goniometer, &plan, cell, i as u64);
         let same = |a: &WalkRecord, b: &WalkRecord| a.bin == b.bin && a.events == b.events && a.hits == b.hits;
         if !same(record, &expected) {
             result.differing.push(nearest_tie);

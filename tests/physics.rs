@@ -88,7 +88,7 @@ fn a_lossless_sheet_returns_all_light() {
         for (name, engine) in engines() {
             let tally = cloth.run(engine, &WalkPlan::new(3, 2000));
             assert_ran(&tally, name);
-            for cell in 0..tally.incident_cells() {
+            for cell in 0..tally.starts() {
                 let out = tally.reflection(cell).iter().chain(tally.transmission(cell)).sum::<u64>();
                 assert_eq!(out + tally.direct(cell), 2000, "{name}, cell {cell}");
                 assert_eq!(tally.lost(cell), 0, "{name}, cell {cell}");
@@ -162,7 +162,7 @@ fn aligned_z(name: &str, engine: &dyn Engine, case: usize, ior_factor: f64, walk
     let axis = DVec3::from(axis).normalize();
     let sheet = AlignedSheet { radius: 0.01, length_density: depth / 0.02, thickness: 1.0, ior, axis, exit: 16 };
     let expected = sheet.measure(from_degrees(angles), walks, 900 + case as u64);
-    let counted = &tally.of_incident(0)[..expected.len()];
+    let counted = &tally.of_start(0)[..expected.len()];
     let (chi2, freedom) = two_sample_chi2(counted, walks, &expected, walks);
     chi2_z(chi2, freedom)
 }

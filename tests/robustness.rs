@@ -27,6 +27,10 @@ const INCIDENT: &str =
     "the N of an N×N disc basis, a whole number from 1 to 64, or a list of directions [[theta, phi], …]";
 const EXIT: &str = "the N of an N×N disc basis, a whole number from 1 to 256";
 
+/// A spectrum as a spreadsheet writes it.
+const SPECTRUM: &str = "\u{feff}# Measured on a film.\r\nnm, 1/mm\r\n400, 0.5\r\n700, 20\r\n";
+const MEASURE: [&str; 2] = ["measure", "cloth.toml"];
+
 /// Run the program; it must end with a code and one line, and leave every file as it was.
 fn refuse(place: &Place, arguments: &[&str], code: i32, message: &str) {
     let before = place.contents();
@@ -69,6 +73,46 @@ fn refuse_lines(cases: &[(&str, &str)]) {
 fn refuse_arguments(code: i32, cases: &[(&[&str], &str)]) {
     for (arguments, message) in cases {
         refuse(&Place::new(), &[&["measure", "nonwoven"], *arguments].concat(), code, message);
+    }
+}
+
+/// A cloth file with the absorption in a spectrum's file on line 5, and more lines after its eleven.
+fn spectral(spectrum: &str, lines: &str) -> Place {
+    let place = Place::new();
+    let absorption = format!("ior = 1.5\nabsorption_per_mm = {{ spectrum = \"{spectrum}\" }}");
+    place.write("cloth.toml", format!("{}{lines}", CLOTH.replace("ior = 1.5", &absorption)));
+    place
+}
+
+/// Another kind of fiber and its share of the sheet.
+fn another(name: &str, line: &str) -> String {
+    format!(
+        "[fiber.{name}]\nradius_um = 5\nior = 1.5\n{line}[[sheet.fibers]]\nfiber = \"{name}\"\n\
+         length_density_per_mm2 = 1\norientation = \"planar\"\n"
+    )
+}
+
+/// Values of `absorption_per_mm`, and what is said of them.
+fn refuse_absorption(cases: &[(&str, &str)]) {
+    let edits: Vec<String> = cases.iter().map(|(value, _)| format!("ior = 1.5\nabsorption_per_mm = {value}")).collect();
+    let edits: Vec<_> = edits.iter().zip(cases).map(|(new, case)| ("ior = 1.5", new.as_str(), case.1)).collect();
+    refuse_edits(&edits);
+}
+
+fn summary(place: &Place) -> serde_json::Value {
+    let text = std::fs::read(place.path("cloth/summary.json")).expect("the summary is there");
+    serde_json::from_slice(&text).expect("the summary is JSON")
+}
+
+/// Measure `cloth.toml`; it must give that many channels and sides.
+fn check_measured(place: &Place, channels: usize, sides: usize) {
+    let outcome = place.run(&[&MEASURE[..], &FEW[..]].concat());
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let summary = summary(place);
+    let lit = summary["sides"].as_object().expect("sides by name");
+    assert_eq!(lit.len(), sides);
+    for side in lit.values() {
+        assert_eq!(side["hemispherical"]["reflectance"].as_object().map(|found| found.len()), Some(channels));
     }
 }
 
@@ -202,7 +246,7 @@ fn a_file_without_fibers_is_refused() {
 #[test]
 fn unknown_keys_are_refused_with_the_nearest_one() {
     let part = "allowed: fiber, length_density_per_mm2, orientation, axis, spread_deg";
-    let kind = "allowed: radius_um, ior, density_g_per_cm3, absorption_per_mm";
+    let kind = "allowed: radius_um, fineness_dtex, ior, density_g_per_cm3, absorption_per_mm";
     let model = "allowed: tracking, placement, directions, length_over_radius";
     let top = "allowed: name, fiber, sheet, model, measure";
     refuse_edits(&[
@@ -225,21 +269,218 @@ fn unknown_keys_are_refused_with_the_nearest_one() {
         ),
         (
             "[measure]\nside = 1",
-            "12:1: unknown key `side` in [measure], did you mean `sides`?; allowed: sides, incident, exit",
+            "12:1: unknown key `side` in [measure], did you mean `sides`?; allowed: sides, incident, exit, \
+             wavelengths_nm",
         ),
     ]);
 }
 
 #[test]
-fn names_of_fibers_must_be_known_and_one_kind_is_allowed() {
-    let two = "[fiber.silk]\nradius_um = 5\nior = 1.5\n[[sheet.fibers]]\nfiber = \"silk\"\n\
-               length_density_per_mm2 = 1\norientation = \"planar\"";
+fn names_of_fibers_must_be_known_and_five_kinds_are_too_many() {
     refuse_edits(&[
         ("\"wool\"", "\"wol\"", "8:9: there is no [fiber.wol], did you mean `wool`?; fibers: wool"),
         ("\"wool\"", "\"silk\"", "8:9: there is no [fiber.silk]; fibers: wool"),
         ("\"wool\"", "\"a\\nb\"", "8:9: there is no [fiber.a\\nb]; fibers: wool"),
     ]);
-    refuse_lines(&[(two, "14:1: a sheet of two kinds of fiber (`wool` and `silk`) is not available yet")]);
+    let kinds: String = (1..=4).map(|kind| another(&format!("f{kind}"), "")).collect();
+    refuse_lines(&[(&kinds, "7:1: the sheet has 5 kinds of fiber; allowed: 1 to 4")]);
+}
+
+#[test]
+fn absorption_is_a_number_or_three_or_a_spectrum() {
+    let absorption = "5:21: `fiber.wool.absorption_per_mm` is";
+    let forms = "but must be a number from 0 to 100000, { rgb = [r, g, b] } or { spectrum = \"file.csv\" }";
+    let rgb = |found: &str| {
+        format!(
+            "5:29: `fiber.wool.absorption_per_mm.rgb` is {found}, but must be three numbers [red, green, blue] from 0 to 100000"
+        )
+    };
+    let item = "`fiber.wool.absorption_per_mm.rgb` is";
+    let allowed = "but must be a number from 0 to 100000";
+    refuse_absorption(&[
+        ("-0.4", &format!("{absorption} -0.4, {forms}")),
+        ("nan", &format!("{absorption} nan, {forms}")),
+        ("inf", &format!("{absorption} inf, {forms}")),
+        ("1e6", &format!("{absorption} 1e6, {forms}")),
+        ("\"0.4\"", &format!("{absorption} \"0.4\", {forms}")),
+        ("[1, 2, 3]", &format!("{absorption} [1, 2, 3], {forms}")),
+        ("{}", &format!("{absorption} a table, {forms}")),
+        ("{ rgb = [1, 2, 3], spectrum = \"s.csv\" }", &format!("{absorption} a table, {forms}")),
+        ("{ rgb = [1, 2] }", &rgb("[1, 2]")),
+        ("{ rgb = [1, 2, 3, 4] }", &rgb("[1, 2, 3, 4]")),
+        ("{ rgb = 5 }", &rgb("5")),
+        ("{ rgb = [1, -2, 3] }", &format!("5:33: {item} -2, {allowed}")),
+        ("{ rgb = [1, 2, nan] }", &format!("5:36: {item} nan, {allowed}")),
+        (
+            "{ rbg = [1, 2, 3] }",
+            "5:23: unknown key `rbg` in [fiber.wool.absorption_per_mm], did you mean `rgb`?; allowed: rgb, spectrum",
+        ),
+        ("{ spectrum = 5 }", "5:34: `fiber.wool.absorption_per_mm.spectrum` is 5, but must be a text in quotes"),
+    ]);
+}
+
+#[test]
+fn a_spectrum_that_cannot_be_read_is_refused_where_it_is_named() {
+    let missing = "5:34: cannot read the spectrum `s.csv`:";
+    refuse_absorption(&[("{ spectrum = \"s.csv\" }", &format!("{missing} No such file or directory (os error 2)"))]);
+    let place = spectral("s.csv", "");
+    place.write("s.csv", b"400, 1\n\xff\n");
+    refuse(&place, &MEASURE, 2, &format!("cloth.toml:{missing} it is not UTF-8 text"));
+    place.write("s.csv", vec![b'\n'; (1 << 20) + 1]);
+    refuse(&place, &MEASURE, 2, &format!("cloth.toml:{missing} it is longer than 1024 KiB"));
+    let place = spectral("folder", "");
+    place.write("folder/inside", "");
+    let message = "cloth.toml:5:34: cannot read the spectrum `folder`: Is a directory (os error 21)";
+    refuse(&place, &MEASURE, 2, message);
+    // A name is taken from where the cloth file lies.
+    let place = Place::new();
+    place.write(
+        "here/cloth.toml",
+        CLOTH.replace("ior = 1.5", "ior = 1.5\nabsorption_per_mm = { spectrum = \"s.csv\" }"),
+    );
+    place.write("s.csv", SPECTRUM);
+    let message = "here/cloth.toml:5:34: cannot read the spectrum `here/s.csv`: No such file or directory (os error 2)";
+    refuse(&place, &["measure", "here/cloth.toml"], 2, message);
+}
+
+#[test]
+fn a_wrong_line_of_a_spectrum_is_refused_where_it_stands() {
+    let line = |found: &str| {
+        format!("{found} must be a wavelength from 1 to 1000000 nm, a comma, a number from 0 to 100000 in 1/mm")
+    };
+    let long = format!("400, 1{}", "0".repeat(60));
+    let empty = "s.csv:1:1: the spectrum has no line `nm, 1/mm`";
+    for (text, message) in [
+        ("", empty.to_owned()),
+        ("nm, 1/mm\n# nothing\n", empty.to_owned()),
+        ("400; 1\n", format!("s.csv:1:1: {}", line("`400; 1`"))),
+        ("nm, 1/mm\n400, 1\n500 2\n", format!("s.csv:3:1: {}", line("`500 2`"))),
+        ("nm, 1/mm\r\n\r\n400, 1\r\n500, 2\r\n600, x\r\n700, 1\r\n", format!("s.csv:5:1: {}", line("`600, x`"))),
+        ("400, 1\nnm, 1/mm\n", format!("s.csv:2:1: {}", line("`nm, 1/mm`"))),
+        ("nm, 1/mm\nnm, 1/mm\n", format!("s.csv:2:1: {}", line("`nm, 1/mm`"))),
+        ("400, 1, 1\n", format!("s.csv:1:1: {}", line("`400, 1, 1`"))),
+        ("400\n", format!("s.csv:1:1: {}", line("`400`"))),
+        ("400, -1\n", format!("s.csv:1:1: {}", line("`400, -1`"))),
+        ("400, nan\n", format!("s.csv:1:1: {}", line("`400, nan`"))),
+        ("nan, 1\n400, 1\n", format!("s.csv:1:1: {}", line("`nan, 1`"))),
+        ("inf, 1\n", format!("s.csv:1:1: {}", line("`inf, 1`"))),
+        ("0, 1\n", format!("s.csv:1:1: {}", line("`0, 1`"))),
+        (&long, format!("s.csv:1:1: {}", line("a line"))),
+        ("400, 1\n# a dip\n\n400, 2\n", "s.csv:4:1: wavelength 400 must be above the one before".into()),
+        ("400, 1\n500, 1\n450, 2\n", "s.csv:3:1: wavelength 450 must be above the one before".into()),
+    ] {
+        let place = spectral("s.csv", "");
+        place.write("s.csv", text);
+        refuse(&place, &MEASURE, 2, &message);
+    }
+}
+
+#[test]
+fn wavelengths_must_lie_in_every_spectrum_and_serve_one() {
+    let list = "but must be an ascending list of 1 to 128 wavelengths in nm, 0.001 nm or more apart";
+    let many: Vec<u32> = (400..529).collect();
+    let outside = |nm: &str| format!("{nm} nm lies outside of the spectrum of fiber `wool`; allowed: 400 to 700 nm");
+    for (wavelengths, message) in [
+        ("[]", format!("13:18: `measure.wavelengths_nm` is [], {list}")),
+        ("550", format!("13:18: `measure.wavelengths_nm` is 550, {list}")),
+        ("[550, 450]", format!("13:18: `measure.wavelengths_nm` is [550, 450], {list}")),
+        ("[550, 550]", format!("13:18: `measure.wavelengths_nm` is [550, 550], {list}")),
+        ("[550, 550.0000001]", format!("13:18: `measure.wavelengths_nm` is [550, 550.0000001], {list}")),
+        (&format!("{many:?}"), format!("13:18: `measure.wavelengths_nm` is an array, {list}")),
+        ("[0]", "13:19: `measure.wavelengths_nm` is 0, but must be a number from 1 to 1000000".into()),
+        ("[nan]", "13:19: `measure.wavelengths_nm` is nan, but must be a number from 1 to 1000000".into()),
+        ("[399.9, 500]", format!("13:18: {}", outside("399.9"))),
+        ("[500, 701]", format!("13:18: {}", outside("701"))),
+    ] {
+        let place = spectral("s.csv", &format!("[measure]\nwavelengths_nm = {wavelengths}\n"));
+        place.write("s.csv", SPECTRUM);
+        refuse(&place, &MEASURE, 2, &format!("cloth.toml:{message}"));
+    }
+    let place = spectral("s.csv", "");
+    place.write("s.csv", "400, 1\n690, 2\n");
+    let short = "cloth.toml:5:21: 700 nm lies outside of the spectrum of fiber `wool`; allowed: 400 to 690 nm; without \
+                 `wavelengths_nm` they are 400 to 700 nm by 10";
+    refuse(&place, &MEASURE, 2, short);
+    let useless = "12:18: `wavelengths_nm` has no use: no fiber of the sheet has a spectrum";
+    refuse_lines(&[("[measure]\nwavelengths_nm = [400]", useless)]);
+}
+
+#[test]
+fn rgb_does_not_mix_with_a_spectrum() {
+    let place = spectral("s.csv", &another("red", "absorption_per_mm = { rgb = [0, 5, 9] }\n"));
+    place.write("s.csv", SPECTRUM);
+    let clash = "cloth.toml:15:21: fiber `red` absorbs in rgb and fiber `wool` by a spectrum; allowed: one of the two in \
+                 a sheet";
+    refuse(&place, &MEASURE, 2, clash);
+}
+
+#[test]
+fn a_fineness_takes_the_place_of_a_radius() {
+    let same = "`fineness_dtex` and `radius_um` say the same thing; give one of them";
+    let dtex = "`fiber.wool.fineness_dtex` is";
+    let fineness = |dtex: &str| format!("density_g_per_cm3 = 1.5\nfineness_dtex = {dtex}");
+    refuse_edits(&[
+        ("radius_um = 10", "radius_um = 10\nfineness_dtex = 1.7", &format!("4:17: {same}")),
+        ("radius_um = 10", "fineness_dtex = 1.7", "3:17: `fineness_dtex` needs `density_g_per_cm3` to give a radius"),
+        (
+            "radius_um = 10",
+            &fineness("0"),
+            &format!("4:17: {dtex} 0, but must be a number above 0 and at most 1000000"),
+        ),
+        (
+            "radius_um = 10",
+            &fineness("-1.7"),
+            &format!("4:17: {dtex} -1.7, but must be a number above 0 and at most 1000000"),
+        ),
+        (
+            "radius_um = 10",
+            &fineness("1e-9"),
+            &format!("4:17: {dtex} 1e-9, but must be a fineness that gives a radius from 0.1 to 1000 µm"),
+        ),
+    ]);
+}
+
+#[test]
+fn a_fiber_is_at_least_as_long_as_its_radius() {
+    let length = "12:22: `model.length_over_radius` is";
+    let allowed = "but must be inf or a number from 1 to 1000000000";
+    for found in ["0", "-5", "0.5", "nan", "-inf", "1e10", "\"inf\""] {
+        refuse_lines(&[(&format!("[model]\nlength_over_radius = {found}"), &format!("{length} {found}, {allowed}"))]);
+    }
+}
+
+/// Every new thing at once, and its absence in turn.
+#[test]
+fn colours_kinds_bases_and_both_sides_are_measured() {
+    let two = another("silk", "absorption_per_mm = 2\n");
+    let four: String = ["silk", "flax", "hemp"].iter().map(|name| another(name, "absorption_per_mm = 2\n")).collect();
+    let both = "[measure]\nsides = [\"back\", \"front\"]\n";
+    for (lines, channels, sides) in [
+        (String::new(), 31, 1),
+        ("[measure]\nwavelengths_nm = [400, 550.5, 700]\n".into(), 3, 1),
+        (two, 31, 1),
+        (format!("{four}{both}"), 31, 2),
+        (format!("[model]\nlength_over_radius = 2\n{both}"), 31, 2),
+    ] {
+        let place = spectral("s.csv", &lines);
+        place.write("s.csv", SPECTRUM);
+        check_measured(&place, channels, sides);
+    }
+    let grey = "ior = 1.5\nabsorption_per_mm = 0.4";
+    let rgb = "ior = 1.5\nabsorption_per_mm = { rgb = [0, 7.0, 1e5] }";
+    let fine = "density_g_per_cm3 = 1.5\nfineness_dtex = 1.7";
+    for (old, new, channels) in [("ior = 1.5", grey, 1), ("ior = 1.5", rgb, 3), ("radius_um = 10", fine, 1)] {
+        let place = Place::new();
+        place.write("cloth.toml", CLOTH.replace(old, new));
+        check_measured(&place, channels, 1);
+    }
+    for (more, sides) in [("back", 1), ("front", 1), ("front,back", 2), ("[\"back\"]", 1), ("back, back", 1)] {
+        let place = Place::new();
+        place.write("cloth.toml", CLOTH);
+        let outcome = place.run(&[&MEASURE[..], &FEW[..], &["--sides", more]].concat());
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        assert_eq!(summary(&place)["sides"].as_object().map(|found| found.len()), Some(sides), "{more}");
+    }
 }
 
 #[test]
@@ -277,15 +518,11 @@ fn an_axis_must_point_somewhere() {
 
 #[test]
 fn what_is_not_available_yet_is_refused_by_name() {
-    let absorption = "5:21: `fiber.wool.absorption_per_mm` is";
-    let zero = "but must be 0: absorption is not available yet";
     let not_woven = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
     let cells = "belongs to woven cloth, which is not available yet; leave it out";
     refuse_edits(&[
-        ("ior = 1.5", "ior = 1.5\nabsorption_per_mm = 0.4", &format!("{absorption} 0.4, {zero}")),
-        ("ior = 1.5", "ior = 1.5\nabsorption_per_mm = { rgb = [1, 2, 3] }", &format!("{absorption} a table, {zero}")),
-        ("radius_um = 10", "fineness_dtex = 1.7", "3:1: `fineness_dtex` is not available yet"),
         ("ior = 1.5", "ior = 1.5\nroughness_deg = 1", "5:1: `roughness_deg` is not available yet"),
+        ("ior = 1.5", "ior = 1.5\ncross_section = {}", "5:1: `cross_section` is not available yet"),
     ]);
     let word =
         |key: &str, word: &str, only: &str| format!("`model.{key}`: \"{word}\" is not available yet; allowed: {only}");
@@ -296,11 +533,6 @@ fn what_is_not_available_yet_is_refused_by_name() {
         ("[model]\ncells = [32, 32, 16]", &format!("12:1: `cells` {cells}")),
         ("[model]\ncone_deg = 2", &format!("12:1: `cone_deg` {cells}")),
         (
-            "[model]\nlength_over_radius = 100",
-            "12:22: `model.length_over_radius` is 100, but must be inf: fibers of finite length are not available yet",
-        ),
-        ("[measure]\nsides = [\"front\", \"back\"]", "12:19: `sides`: \"back\" is not available yet; allowed: front"),
-        (
             "[measure]\nincident = \"klems\"",
             &format!("12:12: `measure.incident` is \"klems\", but must be {INCIDENT}; this basis is not available yet"),
         ),
@@ -310,7 +542,6 @@ fn what_is_not_available_yet_is_refused_by_name() {
                 "12:12: `measure.incident` is \"polar:18x36\", but must be {INCIDENT}; this basis is not available yet"
             ),
         ),
-        ("[measure]\nwavelengths_nm = [400]", "12:1: `wavelengths_nm` has no use: no fiber has a spectrum"),
         ("[weave]\ndraft = [\"X.\"]", &format!("11:2: `weave` {not_woven}")),
         ("[yarn.warp]\nplies = 2", &format!("11:2: `yarn` {not_woven}")),
         ("[knit]\nstructure = \"rib\"", &format!("11:2: `knit` {not_woven}")),
@@ -330,7 +561,10 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
         ("[measure]\nincident = []", "12:12: `incident` lists 0 directions; allowed: 1 to 4096"),
         ("[measure]\nincident = 65", &format!("12:12: `measure.incident` is 65, but must be {INCIDENT}")),
         ("[measure]\nexit = 0", &format!("12:8: `measure.exit` is 0, but must be {EXIT}")),
-        ("[measure]\nsides = []", "12:9: `measure.sides` is [], but must be [\"front\"]"),
+        ("[measure]\nsides = []", "12:9: `measure.sides` is [], but must be a list such as [\"front\", \"back\"]"),
+        ("[measure]\nsides = [\"front\", \"left\"]", "12:19: `sides`: unknown side \"left\"; allowed: front, back"),
+        ("[measure]\nsides = [1]", "12:10: `measure.sides` is 1, but must be a text in quotes"),
+        ("[measure]\nsides = true", "12:9: `measure.sides` is true, but must be a text in quotes"),
     ]);
     let many = format!("[{}]", ["[0, 0]"; 4097].join(", "));
     refuse_arguments(
@@ -351,8 +585,9 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
             (&["--incident", "[[3, 361]]"], "--incident:1:6: `phi` is 361, but must be a number from -360 to 360"),
             (&["--incident", &many], "--incident:1:1: `incident` lists 4097 directions; allowed: 1 to 4096"),
             (&["--exit", "257"], &format!("--exit:1:1: `exit` is 257, but must be {EXIT}")),
-            (&["--sides", "back"], "--sides:1:1: `sides`: \"back\" is not available yet; allowed: front"),
-            (&["--sides", "left"], "--sides:1:1: `sides`: unknown side \"left\"; allowed: front"),
+            (&["--sides", "left"], "--sides:1:1: `sides`: unknown side \"left\"; allowed: front, back"),
+            (&["--sides", "front,"], "--sides:1:1: `sides`: unknown side \"\"; allowed: front, back"),
+            (&["--sides", "Front"], "--sides:1:1: `sides`: unknown side \"Front\"; allowed: front, back"),
             (
                 &["--tracking", "tabulated"],
                 "--tracking:1:1: `tracking`: \"tabulated\" is not available yet; allowed: null-collision",
@@ -367,9 +602,15 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
 
 #[test]
 fn a_table_too_large_is_refused_and_a_large_one_works() {
-    let most = "4096 incident cells with 65536 exit cells on each side take about 8705 MiB of memory, allowed: 4096 MiB; \
+    let most = "4096 incident cells with 65536 exit cells on each side take about 12801 MiB of memory, allowed: 4096 MiB; \
                 lower `incident` or `exit`";
     refuse_arguments(2, &[(&["--incident", "64", "--exit", "256"], most)]);
+    let wavelengths: Vec<u32> = (400..528).collect();
+    let place = spectral("s.csv", &format!("[measure]\nwavelengths_nm = {wavelengths:?}\n"));
+    place.write("s.csv", SPECTRUM);
+    let most = "1024 incident cells with 1024 exit cells on each side and 128 channels take about 10792 MiB of memory, allowed: 4096 MiB; \
+                lower `incident` or `exit` or take fewer wavelengths";
+    refuse(&place, &["measure", "cloth.toml", "--incident", "32", "--exit", "32"], 2, most);
     let fine = [&["measure", "nonwoven", "--incident", "64", "--exit", "8", "--quiet"], &FEW[..]].concat();
     assert_eq!(Place::new().run(&fine).code, Some(0));
     let fine = [&["measure", "nonwoven", "--incident", "2", "--exit", "256", "--quiet"], &FEW[..]].concat();

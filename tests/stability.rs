@@ -34,7 +34,7 @@ fn the_tally_does_not_depend_on_how_the_work_is_cut() {
     }));
     cuts.extend([1, 2, 5, 40].map(|flush| Settings { flush_every: Some(flush), ..few }));
     cuts.extend([1, 16, 100, 999].map(|walks| Settings { walks_per_segment: Some(walks), ..Settings::default() }));
-    cuts.extend([1, 7].map(|cells| Settings { cells_per_batch: Some(cells), ..Settings::default() }));
+    cuts.extend([1, 7].map(|cells| Settings { starts_per_batch: Some(cells), ..Settings::default() }));
     cuts.extend([true, false].map(|texture| Settings { table_in_texture: Some(texture), ..few }));
     for settings in cuts {
         let (tally, _) = cut(&cloth, &plan, settings);
@@ -175,7 +175,7 @@ fn extreme_sheets_are_measured_and_close_their_accounts() {
         let [on_gpu, on_cpu] = engines().map(|(name, engine)| {
             let tally = cloth.run(engine, &WalkPlan::new(41, 1000));
             assert_ran(&tally, name);
-            (0..tally.incident_cells()).for_each(|cell| assert_eq!(tally.lost(cell), 0, "{name}, {what}"));
+            (0..tally.starts()).for_each(|cell| assert_eq!(tally.lost(cell), 0, "{name}, {what}"));
             tally
         });
         // The same walks: hardly any may end elsewhere.

@@ -55,7 +55,7 @@ fn calibration(walks: u64, reported: u64) -> (f64, f64) {
     let table = |seed, walks| -> Vec<Estimate> {
         let tally = cloth.run(gpu(), &WalkPlan::new(seed, walks));
         assert_ran(&tally, "gpu");
-        let of = |component| values(&tally, &goniometer, component, 0);
+        let of = |component| values(&tally, &goniometer, component, 0, 0);
         [of(Component::Reflection), of(Component::Transmission)].concat()
     };
     let samples: Vec<Vec<Estimate>> = (0..SEEDS).map(|seed| table(1000 + seed, walks)).collect();

@@ -1,6 +1,6 @@
 //! Probabilities and BSDF values with their standard errors.
 
-use crate::goniometer::{Goniometer, Tally};
+use crate::goniometer::{Goniometer, Moments, Tally};
 use serde::Serialize;
 
 /// A value and its standard error.
@@ -35,34 +35,60 @@ pub fn probability(count: u64, walks: u64) -> Estimate {
     Estimate { value, stderr }
 }
 
-/// f of one incident cell by exit cell, in sr⁻¹: P(exit cell | incident cell) over its projected solid angle.
-pub fn values(tally: &Tally, goniometer: &Goniometer, component: Component, cell: usize) -> Vec<Estimate> {
-    let counts = match component {
-        Component::Reflection => tally.reflection(cell),
-        Component::Transmission => tally.transmission(cell),
-    };
-    let solid_angle = goniometer.exit.projected_solid_angle();
-    let value = |&count: &u64| {
-        let Estimate { value, stderr } = probability(count, tally.walks_per_incident);
-        Estimate { value: value / solid_angle, stderr: stderr / solid_angle }
-    };
-    counts.iter().map(value).collect()
+/// The mean weight of `walks` walks of which `moments` are the sums, in units of one walk's light.
+///
+/// The variance of the mean is (⟨w²⟩ − ⟨w⟩²)/(walks − 1), unbiased. Where nothing was seen it is that of one walk of
+/// full weight; a sum of full weights only, likewise.
+pub fn mean_weight(moments: Moments, walks: u64, unit: u64) -> Estimate {
+    // Weights are at most the unit, so this holds when each is all or nothing.
+    if moments.square == moments.sum * unit {
+        return probability(moments.sum / unit, walks);
+    }
+    let (n, unit) = (walks as f64, unit as f64);
+    let value = moments.sum as f64 / n / unit;
+    let square = moments.square as f64 / n / (unit * unit);
+    Estimate { value, stderr: ((square - value * value).max(0.0) / (n - 1.0).max(1.0)).sqrt() }
 }
 
-/// Relative noise of the scattered light, √(Σσ²/ΣP²) over all incident and exit cells; also of an unfinished tally.
+/// f of one start by exit cell in a channel, in sr⁻¹: P(exit cell | start) over its projected solid angle.
+pub fn values(
+    tally: &Tally,
+    goniometer: &Goniometer,
+    component: Component,
+    start: usize,
+    channel: usize,
+) -> Vec<Estimate> {
+    let cells = tally.layout.exit_cells;
+    let first = if component == Component::Reflection { 0 } else { cells };
+    let solid_angle = goniometer.exit.projected_solid_angle();
+    let value = |bin| {
+        let light = tally.light(start, bin, channel);
+        let Estimate { value, stderr } = mean_weight(light, tally.walks_per_incident, tally.unit());
+        Estimate { value: value / solid_angle, stderr: stderr / solid_angle }
+    };
+    (first..first + cells).map(value).collect()
+}
+
+/// Relative noise of the scattered light, √(Σσ²/ΣP²) over all starts, exit cells and channels; also of an unfinished
+/// tally.
 ///
 /// It is infinite while nothing has been scattered.
 pub fn noise(tally: &Tally) -> f64 {
     let (mut variance, mut square) = (0.0, 0.0);
-    for cell in 0..tally.incident_cells() {
-        let walks: u64 = tally.of_incident(cell).iter().sum();
+    for start in 0..tally.starts() {
+        let walks: u64 = tally.of_start(start).iter().sum();
         if walks == 0 {
             continue;
         }
-        for &count in tally.reflection(cell).iter().chain(tally.transmission(cell)) {
-            let Estimate { value, stderr } = probability(count, walks);
-            square += value * value;
-            variance += if count == 0 { 0.0 } else { stderr * stderr };
+        for bin in 0..2 * tally.layout.exit_cells {
+            for channel in 0..tally.channels() {
+                let light = tally.light(start, bin, channel);
+                if light.sum > 0 {
+                    let Estimate { value, stderr } = mean_weight(light, walks, tally.unit());
+                    square += value * value;
+                    variance += stderr * stderr;
+                }
+            }
         }
     }
     if square > 0.0 { (variance / square).sqrt() } else { f64::INFINITY }
@@ -82,10 +108,10 @@ mod tests {
     #[test]
     fn noise_is_the_error_of_the_scattered_light() {
         let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
-        let mut tally = Tally::new(origin, BinLayout { exit_cells: 2 }, 1);
+        let mut tally = Tally::new(origin, BinLayout { exit_cells: 2 }, 1, None);
         assert_eq!(noise(&tally), f64::INFINITY);
         // Shares 0.3 and 0.1 of 100 walks; the rest is direct.
-        tally.bins = vec![30, 0, 10, 0, 60, 0];
+        tally.bins = vec![30, 0, 10, 0, 60, 0, 0];
         let expected = ((0.3 * 0.7 + 0.1 * 0.9) / 99.0 / (0.09 + 0.01f64)).sqrt();
         assert!((noise(&tally) - expected).abs() < 1e-15, "{}", noise(&tally));
     }

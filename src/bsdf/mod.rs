@@ -9,5 +9,5 @@
 mod estimate;
 mod totals;
 
-pub use estimate::{Component, Estimate, noise, probability, values};
+pub use estimate::{Component, Estimate, mean_weight, noise, probability, values};
 pub use totals::{Totals, hemispherical, totals};

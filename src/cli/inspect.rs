@@ -80,8 +80,8 @@ fn sizes(scene: &Scene, prepared: &Prepared) -> String {
          results          {} incident × {} exit cells, at most {:.1} MiB of memory besides the program\n",
         tables.patches.len(),
         scene.model.directions,
-        goniometer.incident_cells(),
+        goniometer.starts(),
         2 * goniometer.exit.cells(),
-        mib(memory(goniometer))
+        mib(memory(tables, goniometer))
     )
 }

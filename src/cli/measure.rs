@@ -57,7 +57,7 @@ pub struct Arguments {
     /// Exit cells: N of the disc basis
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     exit: Option<String>,
-    /// Lit sides: front
+    /// Lit sides: front, back or front,back
     #[arg(long, value_name = "SIDES")]
     sides: Option<String>,
 }
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = arguments.apply(Scene::parse(&source)?)?;
     let prepared = prepare(&scene)?;
-    let cells = prepared.goniometer.incident_cells() as u64;
+    let cells = prepared.goniometer.starts() as u64;
     let most = MAX_WALKS / cells;
     if let Some(walks) = arguments.walks.filter(|walks| *walks > most) {
         let message = format!("--walks {walks} is too many for {cells} incident cells; allowed: 1 to {most}");

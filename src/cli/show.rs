@@ -1,6 +1,7 @@
 //! Numbers as text.
 
 use fiberwalk::bsdf::{Estimate, Totals, hemispherical, totals};
+use fiberwalk::goniometer::Incidence;
 use fiberwalk::measure::Measurement;
 use fiberwalk::scene::{Incident, Scene};
 use std::fmt::Write;
@@ -28,43 +29,73 @@ pub fn grouped(count: u64) -> String {
     text
 }
 
-/// Where the light goes: over the hemisphere and near 0, 30 and 60 degrees, or for each listed direction.
+/// Where the light goes on each lit side: over the hemisphere and near 0, 30 and 60 degrees, or for each listed
+/// direction; in every channel up to three, else in the first, the middle and the last.
 pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, .. } = measurement;
-    let angles = |cell: usize| -> (f64, f64) {
-        let [theta, phi] = match &scene.measure.incident {
-            Incident::List(angles) => angles[cell],
-            Incident::Disc(_) => goniometer.angles(cell),
-        };
-        (theta.to_degrees(), phi.to_degrees())
-    };
-    let mut rows = Vec::new();
-    let mut cells: Vec<usize> = match hemispherical(tally, goniometer) {
-        Some(mean) => {
-            rows.push(("hemispherical".to_owned(), mean));
-            let distance = |cell: usize, theta: f64| (angles(cell).0 - theta).abs();
-            let all = 0..tally.incident_cells();
-            let nearest = |theta| all.clone().min_by(|&a, &b| distance(a, theta).total_cmp(&distance(b, theta)));
-            [0.0, 30.0, 60.0].into_iter().filter_map(nearest).collect()
-        }
-        None => (0..tally.incident_cells()).collect(),
-    };
-    cells.dedup();
-    for cell in cells {
-        let (theta, phi) = angles(cell);
-        rows.push((format!("θ {theta:.1}°, φ {phi:.1}°"), totals(tally, cell)));
-    }
+    let names = &scene.channels.names;
+    let told_apart = tally.channels();
+    let mut channels: Vec<usize> =
+        if told_apart < 4 { (0..told_apart).collect() } else { vec![0, told_apart / 2, told_apart - 1] };
+    channels.dedup();
+    let cells = goniometer.incident_cells();
     let mut text = line(["light from", "reflected", "transmitted", "direct", "absorbed"].map(String::from));
-    for (name, totals) in &rows {
-        let Totals { reflectance, transmittance, direct, absorptance, .. } = *totals;
-        let [r, t, d, a] = [reflectance, transmittance, direct, absorptance].map(estimate);
-        text += &line([name.clone(), r, t, d, a]);
+    for (place, side) in goniometer.sides.iter().enumerate() {
+        for &channel in &channels {
+            let mut label = String::new();
+            if goniometer.sides.len() > 1 {
+                label += side.name();
+            }
+            if told_apart > 1 {
+                label = format!("{label} {}", names[channel]);
+            }
+            if !label.is_empty() {
+                text += &format!("{}\n", label.trim());
+            }
+            if let Some(mean) = hemispherical(tally, goniometer, place, channel) {
+                text += &row("hemispherical".into(), &mean);
+            }
+            for start in shown(measurement).into_iter().map(|cell| place * cells + cell) {
+                // A listed direction keeps the angles that it was given by.
+                let angles = match &scene.measure.incident {
+                    Incident::List(angles) => angles[start % cells],
+                    Incident::Disc(_) => goniometer.angles(start),
+                };
+                let [theta, phi] = angles.map(f64::to_degrees);
+                text += &row(format!("θ {theta:.1}°, φ {phi:.1}°"), &totals(tally, start, channel));
+            }
+        }
     }
-    let lost: f64 = (0..tally.incident_cells()).map(|cell| tally.lost(cell) as f64).sum();
-    if lost > 0.0 {
-        let _ = writeln!(text, "lost: {lost} walks were given up; the shares above leave them out");
+    let lost: u64 = (0..tally.starts()).map(|start| tally.lost(start)).sum();
+    if lost > 0 {
+        let _ = writeln!(text, "lost: {} were given up; the shares above leave them out", walks(lost));
     }
     text
+}
+
+/// The incident cells to show: all listed directions, or those nearest to 0, 30 and 60 degrees.
+fn shown(measurement: &Measurement) -> Vec<usize> {
+    let goniometer = &measurement.goniometer;
+    let all = 0..goniometer.incident_cells();
+    if matches!(goniometer.incidence, Incidence::Listed(_)) {
+        return all.collect();
+    }
+    let distance = |cell: usize, theta: f64| (goniometer.angles(cell)[0].to_degrees() - theta).abs();
+    let nearest = |theta| all.clone().min_by(|&a, &b| distance(a, theta).total_cmp(&distance(b, theta)));
+    let mut cells: Vec<usize> = [0.0, 30.0, 60.0].into_iter().filter_map(nearest).collect();
+    cells.dedup();
+    cells
+}
+
+fn row(name: String, totals: &Totals) -> String {
+    let Totals { reflectance, transmittance, direct, absorptance, .. } = *totals;
+    let [r, t, d, a] = [reflectance, transmittance, direct, absorptance].map(estimate);
+    line([name, r, t, d, a])
+}
+
+/// A number of walks in words.
+pub fn walks(count: u64) -> String {
+    format!("{} {}", grouped(count), if count == 1 { "walk" } else { "walks" })
 }
 
 fn line([name, columns @ ..]: [String; 5]) -> String {

@@ -1,8 +1,8 @@
 //! Incident and exit bases.
 
-use super::tally::BinLayout;
+use super::tally::{BinLayout, Outcome};
 use crate::concentric::{Patch, disc_to_square, square_to_disc};
-use crate::scene::{Incident, Measure};
+use crate::scene::{Incident, Measure, Side};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -60,13 +60,17 @@ pub enum Incidence {
     Listed(Vec<DVec3>),
 }
 
-/// The instrument: incident cells × exit cells, front lit.
+/// The instrument: lit sides × incident cells × exit cells.
+///
+/// A *start* is an incident cell of a lit side; start number = side·incident cells + cell, lit sides in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goniometer {
-    /// Where light comes from.
+    /// Where light comes from, on each lit side.
     pub incidence: Incidence,
     /// Where it is counted, by reflection and by transmission.
     pub exit: DiscBasis,
+    /// The lit sides, front first.
+    pub sides: Vec<Side>,
 }
 
 impl Goniometer {
@@ -78,10 +82,10 @@ impl Goniometer {
                 Incidence::Listed(angles.iter().map(|&[theta, phi]| from_angles(theta, phi)).collect())
             }
         };
-        Goniometer { incidence, exit: DiscBasis { n: measure.exit } }
+        Goniometer { incidence, exit: DiscBasis { n: measure.exit }, sides: measure.sides.clone() }
     }
 
-    /// Number of incident cells or listed directions.
+    /// Number of incident cells or listed directions of one side.
     pub fn incident_cells(&self) -> usize {
         match &self.incidence {
             Incidence::Disc(disc) => disc.cells(),
@@ -89,26 +93,43 @@ impl Goniometer {
         }
     }
 
-    /// wi at a place of [0, 1]² inside an incident cell; a listed direction is the same at every place.
-    pub fn start_direction(&self, cell: usize, place: DVec2) -> DVec3 {
-        match &self.incidence {
+    /// Number of starts.
+    pub fn starts(&self) -> usize {
+        self.sides.len() * self.incident_cells()
+    }
+
+    /// The lit side of a start.
+    pub fn side(&self, start: usize) -> Side {
+        self.sides[start / self.incident_cells()]
+    }
+
+    /// wi at a place of [0, 1]² inside the incident cell of a start; a listed direction is the same at every place.
+    ///
+    /// Light on the back comes from −z; its (x, y) are those of the same cell on the front.
+    pub fn start_direction(&self, start: usize, place: DVec2) -> DVec3 {
+        let cell = start % self.incident_cells();
+        let wi = match &self.incidence {
             Incidence::Disc(disc) => disc.direction(cell, place),
             Incidence::Listed(directions) => directions[cell],
+        };
+        match self.side(start) {
+            Side::Front => wi,
+            Side::Back => wi.with_z(-wi.z),
         }
     }
 
-    /// θ and φ of the middle of an incident cell in radians, φ in (−π, π].
-    pub fn angles(&self, cell: usize) -> [f64; 2] {
-        let wi = self.centre(cell);
-        [wi.z.clamp(-1.0, 1.0).acos(), wi.y.atan2(wi.x)]
+    /// wi in the middle of the incident cell of a start.
+    pub fn centre(&self, start: usize) -> DVec3 {
+        self.start_direction(start, DVec2::splat(0.5))
     }
 
-    /// wi in the middle of an incident cell.
-    pub fn centre(&self, cell: usize) -> DVec3 {
-        self.start_direction(cell, DVec2::splat(0.5))
+    /// θ from the lit side's normal, and φ from +x, of the middle of a start's incident cell, in radians.
+    pub fn angles(&self, start: usize) -> [f64; 2] {
+        let wi = self.centre(start);
+        [wi.z.abs().min(1.0).acos(), wi.y.atan2(wi.x)]
     }
 
-    /// How the counts of one incident cell are laid out.
+    /// How the bins of one start are laid out.
     pub fn layout(&self) -> BinLayout {
         BinLayout { exit_cells: self.exit.cells() }
     }
@@ -116,17 +137,17 @@ impl Goniometer {
     /// The bin of a walk that left the sheet along `m`, or the lost bin when `m` is not a unit vector.
     ///
     /// The side is the sign of m_z; `touched` tells whether the light met a fiber.
-    pub fn exit_bin(&self, m: DVec3, touched: bool) -> usize {
+    pub fn exit_bin(&self, lit: Side, m: DVec3, touched: bool) -> usize {
         let layout = self.layout();
         let square = m.length_squared();
         if !(square > 0.99 && square < 1.01) {
-            return layout.lost();
+            return layout.outcome(Outcome::Lost);
         }
         if !touched {
-            return layout.direct();
+            return layout.outcome(Outcome::Direct);
         }
         let cell = self.exit.cell_of(m.truncate());
-        if m.z > 0.0 { layout.reflection(cell) } else { layout.transmission(cell) }
+        if (m.z > 0.0) == (lit == Side::Front) { layout.reflection(cell) } else { layout.transmission(cell) }
     }
 }
 
@@ -162,11 +183,27 @@ mod tests {
     #[test]
     fn what_is_not_a_direction_is_lost() {
         let incidence = Incidence::Disc(DiscBasis { n: 2 });
-        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 } };
-        let lost = goniometer.layout().lost();
-        assert_eq!(goniometer.exit_bin(DVec3::ZERO, true), lost);
-        assert_eq!(goniometer.exit_bin(DVec3::splat(f64::NAN), true), lost);
-        assert_eq!(goniometer.exit_bin(DVec3::new(0.0, 0.0, 1.2), false), lost);
-        assert_eq!(goniometer.exit_bin(-DVec3::Z, false), goniometer.layout().direct());
+        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 }, sides: vec![Side::Front] };
+        let lost = goniometer.layout().outcome(Outcome::Lost);
+        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::ZERO, true), lost);
+        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::splat(f64::NAN), true), lost);
+        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::new(0.0, 0.0, 1.2), false), lost);
+        assert_eq!(goniometer.exit_bin(Side::Front, -DVec3::Z, false), goniometer.layout().outcome(Outcome::Direct));
+    }
+
+    #[test]
+    fn the_back_is_lit_in_the_frame_of_the_front() {
+        let incidence = Incidence::Disc(DiscBasis { n: 4 });
+        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 }, sides: vec![Side::Front, Side::Back] };
+        assert_eq!(goniometer.starts(), 32);
+        let (front, back) = (goniometer.centre(5), goniometer.centre(16 + 5));
+        assert_eq!(back, front.with_z(-front.z));
+        assert_eq!(goniometer.angles(5), goniometer.angles(16 + 5));
+        let up = goniometer.layout().transmission(goniometer.exit.cell_of(front.truncate()));
+        assert_eq!(
+            goniometer.exit_bin(Side::Back, front, true),
+            up,
+            "light from below that leaves upwards went through"
+        );
     }
 }

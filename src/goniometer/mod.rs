@@ -13,4 +13,4 @@ mod basis;
 mod tally;
 
 pub use basis::{DiscBasis, Goniometer, Incidence};
-pub use tally::{BinLayout, Counts, Origin, Tally};
+pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Origin, Outcome, Tally, WEIGHT, Weights};

@@ -1,13 +1,31 @@
-//! The integer tally of a run and its two accounts.
+//! The integer tally of a run and its accounts.
 
 use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
 
-/// Order of the counts of one incident cell: reflection cells, transmission cells, direct, lost.
+/// Fixed-point units of one walk's light when fibers absorb, 2ˢ with s = 12.
+pub const WEIGHT: u64 = 1 << 12;
+
+/// Order of the bins of one start: reflection cells, transmission cells, then the outcomes of [`Outcome`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BinLayout {
     /// Exit cells of one side.
     pub exit_cells: usize,
 }
+
+/// How a walk can end without an exit cell. The discriminant is its place behind the exit cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It touched no fiber.
+    Direct = 0,
+    /// It was given up.
+    Lost = 1,
+    /// Russian roulette ended it.
+    Ended = 2,
+}
+
+/// Number of outcomes.
+pub const OUTCOMES: usize = 3;
 
 impl BinLayout {
     /// Bin of light that left on the lit side.
@@ -20,24 +38,19 @@ impl BinLayout {
         self.exit_cells + cell
     }
 
-    /// Bin of light that touched no fiber.
-    pub fn direct(&self) -> usize {
-        2 * self.exit_cells
+    /// Bin of walks without an exit cell.
+    pub fn outcome(&self, outcome: Outcome) -> usize {
+        2 * self.exit_cells + outcome as usize
     }
 
-    /// Bin of walks that were given up.
-    pub fn lost(&self) -> usize {
-        2 * self.exit_cells + 1
-    }
-
-    /// Bins of one incident cell.
+    /// Bins of one start.
     pub fn stride(&self) -> usize {
-        2 * self.exit_cells + 2
+        2 * self.exit_cells + OUTCOMES
     }
 }
 
 /// Sums over all finished walks, made by the engine independently of the bins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// Walks started.
     pub launched: u64,
@@ -47,6 +60,8 @@ pub struct Counts {
     pub tentative_events: u64,
     /// Real hits.
     pub collisions: u64,
+    /// Hits whose light left through a base of the fiber.
+    pub base_exits: u64,
 }
 
 impl std::ops::AddAssign for Counts {
@@ -55,11 +70,12 @@ impl std::ops::AddAssign for Counts {
         self.finished += other.finished;
         self.tentative_events += other.tentative_events;
         self.collisions += other.collisions;
+        self.base_exits += other.base_exits;
     }
 }
 
 /// Which engine made the counts, from which random numbers.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Origin {
     /// `gpu` or `cpu`.
     pub engine: &'static str,
@@ -69,57 +85,132 @@ pub struct Origin {
     pub seed: u64,
 }
 
-/// Counts of walks by incident cell and exit.
+/// Sums of fixed-point weights in one bin and channel: Σq and Σq².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moments {
+    /// Σq.
+    pub sum: u64,
+    /// Σq².
+    pub square: u64,
+}
+
+impl Moments {
+    /// Add one weight.
+    pub fn add(&mut self, q: u64) {
+        self.sum += q;
+        self.square += q * q;
+    }
+}
+
+/// Light that fibers took from: weights by start, bin and channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Weights {
+    /// Colour channels.
+    pub channels: usize,
+    /// Moments by start, exit cell of both hemispheres and then the absorbed light, channel.
+    pub moments: Vec<Moments>,
+}
+
+/// Walks by start (side and incident cell) and exit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     /// Who counted.
     pub origin: Origin,
-    /// How the bins of one incident cell are laid out.
+    /// How the bins of one start are laid out.
     pub layout: BinLayout,
-    /// Walks of each incident cell.
+    /// Walks of each start.
     pub walks_per_incident: u64,
-    /// Counts, `layout.stride()` for each incident cell.
+    /// Numbers of walks, `layout.stride()` for each start.
     pub bins: Vec<u64>,
+    /// Their light by channel, when fibers absorb; otherwise every walk keeps all of it.
+    pub weights: Option<Weights>,
     /// Sums over the run.
     pub counts: Counts,
 }
 
 impl Tally {
-    /// An empty tally.
-    pub fn new(origin: Origin, layout: BinLayout, incident_cells: usize) -> Tally {
-        let bins = vec![0; layout.stride() * incident_cells];
-        Tally { origin, layout, walks_per_incident: 0, bins, counts: Counts::default() }
+    /// An empty tally; `channels` is none for lossless fibers.
+    pub fn new(origin: Origin, layout: BinLayout, starts: usize, channels: Option<usize>) -> Tally {
+        let weights = channels.map(|channels| {
+            let moments = vec![Moments::default(); starts * (2 * layout.exit_cells + 1) * channels];
+            Weights { channels, moments }
+        });
+        let bins = vec![0; layout.stride() * starts];
+        Tally { origin, layout, walks_per_incident: 0, bins, weights, counts: Counts::default() }
     }
 
-    /// Number of incident cells.
-    pub fn incident_cells(&self) -> usize {
+    /// Number of starts: lit sides times incident cells.
+    pub fn starts(&self) -> usize {
         self.bins.len() / self.layout.stride()
     }
 
-    /// All bins of one incident cell.
-    pub fn of_incident(&self, cell: usize) -> &[u64] {
+    /// Channels that are told apart.
+    pub fn channels(&self) -> usize {
+        self.weights.as_ref().map_or(1, |weights| weights.channels)
+    }
+
+    /// Units of one walk's light.
+    pub fn unit(&self) -> u64 {
+        if self.weights.is_some() { WEIGHT } else { 1 }
+    }
+
+    /// Numbers of walks of one start, all bins.
+    pub fn of_start(&self, start: usize) -> &[u64] {
         let stride = self.layout.stride();
-        &self.bins[cell * stride..(cell + 1) * stride]
+        &self.bins[start * stride..(start + 1) * stride]
     }
 
-    /// Counts by exit cell of the lit side.
-    pub fn reflection(&self, cell: usize) -> &[u64] {
-        &self.of_incident(cell)[..self.layout.exit_cells]
+    /// Walks by exit cell of the lit side.
+    pub fn reflection(&self, start: usize) -> &[u64] {
+        &self.of_start(start)[..self.layout.exit_cells]
     }
 
-    /// Counts by exit cell of the far side, without the light that touched no fiber.
-    pub fn transmission(&self, cell: usize) -> &[u64] {
-        &self.of_incident(cell)[self.layout.exit_cells..2 * self.layout.exit_cells]
+    /// Walks by exit cell of the far side, without those that touched no fiber.
+    pub fn transmission(&self, start: usize) -> &[u64] {
+        &self.of_start(start)[self.layout.exit_cells..2 * self.layout.exit_cells]
+    }
+
+    /// Walks that ended without an exit cell.
+    pub fn outcome(&self, start: usize, outcome: Outcome) -> u64 {
+        self.of_start(start)[self.layout.outcome(outcome)]
     }
 
     /// Walks that touched no fiber.
-    pub fn direct(&self, cell: usize) -> u64 {
-        self.of_incident(cell)[self.layout.direct()]
+    pub fn direct(&self, start: usize) -> u64 {
+        self.outcome(start, Outcome::Direct)
     }
 
     /// Walks that were given up.
-    pub fn lost(&self, cell: usize) -> u64 {
-        self.of_incident(cell)[self.layout.lost()]
+    pub fn lost(&self, start: usize) -> u64 {
+        self.outcome(start, Outcome::Lost)
+    }
+
+    /// Light of an exit bin (reflection cells, then transmission cells) in one channel, in units of [`Tally::unit`].
+    pub fn light(&self, start: usize, bin: usize, channel: usize) -> Moments {
+        match &self.weights {
+            Some(_) => self.moments(start, bin, channel),
+            // A count is its own second moment.
+            None => {
+                let count = self.of_start(start)[bin];
+                Moments { sum: count, square: count }
+            }
+        }
+    }
+
+    /// Light that fibers kept of one start, walk by walk.
+    pub fn absorbed(&self, start: usize, channel: usize) -> Moments {
+        if self.weights.is_some() {
+            self.moments(start, 2 * self.layout.exit_cells, channel)
+        } else {
+            Moments::default()
+        }
+    }
+
+    fn moments(&self, start: usize, bin: usize, channel: usize) -> Moments {
+        self.weights.as_ref().map_or(Moments::default(), |weights| {
+            let bins = 2 * self.layout.exit_cells + 1;
+            weights.moments[(start * bins + bin) * weights.channels + channel]
+        })
     }
 
     /// Add the counts of other walks of the same instrument and seed.
@@ -127,31 +218,48 @@ impl Tally {
         debug_assert_eq!((self.layout, self.bins.len()), (other.layout, other.bins.len()));
         self.walks_per_incident += other.walks_per_incident;
         self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);
+        if let (Some(weights), Some(others)) = (&mut self.weights, &other.weights) {
+            for (sum, part) in weights.moments.iter_mut().zip(&others.moments) {
+                sum.sum += part.sum;
+                sum.square += part.square;
+            }
+        }
         self.counts += other.counts;
     }
 
     /// Hold the counts against the plan.
     ///
-    /// 1. By incident cell: walks planned = reflected + transmitted + direct + lost.
-    /// 2. Over the run, in units of one walk's light: launched = out + absorbed + lost, where launched and finished are
-    ///    counted by the engine apart from the bins, and absorbed is 0 in a lossless medium.
+    /// 1. By start, in walks: planned = reflected + transmitted + direct + ended by roulette + lost.
+    /// 2. By start and channel, in units of light: what entered fibers = out + absorbed, both summed walk by walk.
+    /// 3. Over the run: walks launched and walks finished, counted apart from the bins.
     ///
     /// # Errors
     /// [`Error::Account`] names the first sum that does not close.
     pub fn check(&self, planned_per_incident: u64) -> Result<()> {
         let fail = |message: String| Err(Error::Account { engine: self.origin.engine, message });
-        for cell in 0..self.incident_cells() {
-            let counted: u64 = self.of_incident(cell).iter().sum();
+        for start in 0..self.starts() {
+            let counted: u64 = self.of_start(start).iter().sum();
             if counted != planned_per_incident {
                 return fail(format!(
-                    "incident cell {cell} was to get {planned_per_incident} walks and counts {counted}"
+                    "incident cell {start} was to get {planned_per_incident} walks and counts {counted}"
                 ));
             }
+            for channel in 0..self.weights.as_ref().map_or(0, |weights| weights.channels) {
+                let entered = (counted - self.direct(start) - self.lost(start)) * self.unit();
+                let out: u64 = (0..2 * self.layout.exit_cells).map(|bin| self.light(start, bin, channel).sum).sum();
+                let absorbed = self.absorbed(start, channel).sum;
+                if entered != out + absorbed {
+                    return fail(format!(
+                        "in incident cell {start} and channel {channel} fibers got {entered} units of light, \
+                         and {out} went out and {absorbed} were absorbed"
+                    ));
+                }
+            }
         }
-        let out_and_lost: u64 = self.bins.iter().sum();
+        let binned: u64 = self.bins.iter().sum();
         let Counts { launched, finished, .. } = self.counts;
-        if launched != out_and_lost || finished != out_and_lost {
-            return fail(format!("{launched} walks started and {finished} ended, but {out_and_lost} were binned"));
+        if launched != binned || finished != binned {
+            return fail(format!("{launched} walks started and {finished} ended, but {binned} were binned"));
         }
         Ok(())
     }
@@ -163,10 +271,17 @@ mod tests {
 
     fn closed() -> Tally {
         let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
-        let mut tally = Tally::new(origin, BinLayout { exit_cells: 4 }, 3);
-        for cell in 0..3 {
-            tally.bins[cell * 10 + cell] = 7;
-            tally.bins[cell * 10 + 8] = 3;
+        let mut tally = Tally::new(origin, BinLayout { exit_cells: 4 }, 3, Some(2));
+        for start in 0..3 {
+            tally.bins[start * 11 + start] = 7;
+            tally.bins[start * 11 + 8] = 3;
+            let weights = tally.weights.as_mut().expect("it has weights");
+            for channel in 0..2 {
+                for _ in 0..7 {
+                    weights.moments[(start * 9 + start) * 2 + channel].add(1000);
+                    weights.moments[(start * 9 + 8) * 2 + channel].add(WEIGHT - 1000);
+                }
+            }
         }
         tally.counts = Counts { launched: 30, finished: 30, ..Counts::default() };
         tally
@@ -179,15 +294,15 @@ mod tests {
 
     #[test]
     fn each_broken_sum_is_named() {
-        let mut moved = closed();
-        moved.bins[0] -= 1;
-        moved.bins[11] += 1;
-        assert!(moved.check(10).is_err_and(|e| e.to_string().contains("incident cell 0")));
-        let mut relaunched = closed();
-        relaunched.counts.launched += 1;
-        assert!(relaunched.check(10).is_err_and(|e| e.to_string().contains("31 walks started")));
-        let mut unfinished = closed();
-        unfinished.counts.finished -= 1;
-        assert!(unfinished.check(10).is_err_and(|e| e.to_string().contains("29 ended")));
+        let broken = |change: fn(&mut Tally), message: &str| {
+            let mut tally = closed();
+            change(&mut tally);
+            let error = tally.check(10).expect_err(message).to_string();
+            assert!(error.contains(message), "{error}");
+        };
+        broken(|tally| tally.bins.swap(0, 11), "incident cell 0");
+        broken(|tally| tally.counts.launched += 1, "31 walks started");
+        broken(|tally| tally.counts.finished -= 1, "29 ended");
+        broken(|tally| tally.weights.as_mut().expect("weights").moments[19].sum += 1, "incident cell 1 and channel 1");
     }
 }

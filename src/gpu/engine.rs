@@ -1,16 +1,16 @@
-//! All walks of a plan on a device: batches of incident cells, segments of walks, dispatches.
+//! All walks of a plan on a device: batches of starts, segments of walks, dispatches.
 
 use super::adapter::{self, Kind};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
-use super::pack::{direction_table, incident_table};
-use super::params::{counts, params};
+use super::pack::{absorption_table, direction_table, incident_table};
+use super::params::{counts, params, start_words};
 use super::session::{Packed, Session, Shape};
-use super::tuning::{Choice, TELLING, Tuning, flush_every};
+use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Incidence, Origin, Tally};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, WalkPlan, WalkRecord};
+use crate::walk::{Engine, ROULETTE_EVERY, WalkPlan, WalkRecord};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -35,10 +35,10 @@ pub struct Settings {
     pub flush_every: Option<u32>,
     /// Keep the direction table in a texture, whatever its size.
     pub table_in_texture: Option<bool>,
-    /// Most walks of each cell in one segment.
+    /// Most walks of each start in one segment.
     pub walks_per_segment: Option<u64>,
-    /// Most incident cells in one batch.
-    pub cells_per_batch: Option<usize>,
+    /// Most starts in one batch.
+    pub starts_per_batch: Option<usize>,
     /// Number at which every bin of the device starts.
     pub bins_preset: u32,
     /// Number at which the low words of the device's sums of events and collisions start.
@@ -140,7 +140,7 @@ impl Gpu {
         Ok((tally, report))
     }
 
-    /// Make the walks of a plan and record each: walk i of cell c at i·C + c.
+    /// Make the walks of a plan and record each: walk i of start c at i·C + c, C starts.
     ///
     /// # Errors
     /// Those of [`Engine::run`]; the records must fit into one buffer.
@@ -205,22 +205,33 @@ impl<'a> Run<'a> {
         settings.check()?;
         let large = tables.patches.len() > UNIFORM_ENTRIES as usize;
         let hardware = gpu.kind() == Kind::Hardware;
+        // The number of the next roulette is drawn at a flush.
+        let most_passes = if tables.absorbing() { ROULETTE_EVERY - 1 } else { u32::MAX };
+        let roulette = plan.roulette && tables.kinds.iter().any(|kind| kind.clearest() > 0.0);
+        let channels = tables.channels() as u32;
+        let flush_every = settings.flush_every.unwrap_or_else(|| flush_every(tables.depth())).min(most_passes);
         let tuning = Tuning::start(gpu.kind());
         let shape = Shape {
             workgroup: settings.workgroup.unwrap_or(64),
             lanes: settings.lanes.unwrap_or(tuning.lanes),
-            budget: settings.budget.unwrap_or(tuning.budget),
-            flush_every: settings.flush_every.unwrap_or(flush_every(tables.depth())),
+            budget: settings.budget.unwrap_or(tuning.budget.min(longest_budget(flush_every, channels))),
+            flush_every,
             // Divergent reads of a uniform buffer are slow on hardware; a texture is slower than that in software.
             table_in_texture: large || settings.table_in_texture.unwrap_or(hardware),
             jitter: plan.jitter,
             listed: matches!(goniometer.incidence, Incidence::Listed(_)),
             trace,
+            kinds: tables.kinds.len() as u32,
+            channels,
+            absorbing: tables.absorbing(),
+            bases: tables.half_length.is_finite(),
+            roulette,
         };
         let origin = Origin { engine: "gpu", adapter: gpu.adapter(), seed: plan.seed };
-        let tally = Tally::new(origin, goniometer.layout(), goniometer.incident_cells());
+        let channels = tables.absorbing().then(|| tables.channels());
+        let tally = Tally::new(origin, goniometer.layout(), goniometer.starts(), channels);
         let records = if trace {
-            let walks = plan.walks_per_incident as usize * goniometer.incident_cells();
+            let walks = plan.walks_per_incident as usize * goniometer.starts();
             vec![WalkRecord { bin: u32::MAX, events: 0, hits: 0 }; walks]
         } else {
             Vec::new()
@@ -231,14 +242,16 @@ impl<'a> Run<'a> {
     fn make(mut self, progress: &mut dyn FnMut(&Tally)) -> Result<(Tally, Report, Vec<WalkRecord>)> {
         let directions = direction_table(self.tables, self.plan.jitter);
         let incident = incident_table(self.goniometer);
-        let batch = self.cells_per_batch();
+        let absorption = absorption_table(self.tables);
+        let batch = self.starts_per_batch();
         for first in (0..incident.len()).step_by(batch) {
-            let cells = first..(first + batch).min(incident.len());
-            let packed = Packed { directions: &directions, incident: &incident[cells.clone()] };
+            let starts = first..(first + batch).min(incident.len());
+            let packed =
+                Packed { directions: &directions, incident: &incident[starts.clone()], absorption: &absorption };
             if first == 0 {
                 self.tune(&packed)?;
             }
-            self.run_batch(cells, &packed, progress)?;
+            self.run_batch(starts, &packed, progress)?;
         }
         let Shape { lanes, budget, flush_every, .. } = self.shape;
         self.report = Report { lanes, budget, flush_every, ..self.report };
@@ -247,25 +260,25 @@ impl<'a> Run<'a> {
         Ok((self.tally, self.report, self.records))
     }
 
-    /// Incident cells whose bins and start directions fit the device.
-    fn cells_per_batch(&self) -> usize {
+    /// Starts whose bins and directions fit the device.
+    fn starts_per_batch(&self) -> usize {
         let binding = self.gpu.device.device.limits().max_storage_buffer_binding_size;
-        let fit = binding as usize / (self.tally.layout.stride() * size_of::<u32>());
-        let wanted = self.settings.cells_per_batch.unwrap_or(usize::MAX);
+        let fit = binding as usize / (start_words(self.tables, self.goniometer) * size_of::<u32>());
+        let wanted = self.settings.starts_per_batch.unwrap_or(usize::MAX);
         fit.min(UNIFORM_ENTRIES as usize).min(wanted).max(1)
     }
 
     /// Walks of each cell in one segment.
     fn segment(&self, cells: usize) -> u64 {
         let cells = cells as u64;
-        let stride = self.goniometer.incident_cells() as u64;
+        let stride = self.goniometer.starts() as u64;
         let most = (MAX_BLOCKS / cells * u64::from(BLOCK)).min((1 << 32) / stride - 1);
         most.min(self.settings.walks_per_segment.unwrap_or(most)).min(self.plan.walks_per_incident).max(1)
     }
 
     /// Let a timed warm-up choose lanes and budget, unless they are set or the run is short.
     fn tune(&mut self, packed: &Packed) -> Result<()> {
-        let walks = self.plan.walks_per_incident * self.goniometer.incident_cells() as u64;
+        let walks = self.plan.walks_per_incident * self.goniometer.starts() as u64;
         let tuning = Tuning::start(self.gpu.kind());
         let fixed = self.settings.lanes.is_some() || self.settings.budget.is_some();
         if !fixed && tuning.pays(walks, self.tables.depth()) {
@@ -299,7 +312,8 @@ impl<'a> Run<'a> {
                 return Ok(Choice { lanes: shape.lanes, budget: shape.budget });
             }
             if seconds >= TELLING || 4 * shape.lanes > tuning.most_lanes {
-                return Ok(tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget))));
+                let longest = longest_budget(shape.flush_every, shape.channels);
+                return Ok(tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget)), longest));
             }
             shape.lanes *= 4;
         }
@@ -307,8 +321,8 @@ impl<'a> Run<'a> {
 
     fn session(&self, shape: Shape, packed: &Packed) -> Result<Session<'a>> {
         let cells = packed.incident.len();
-        let bins = cells * self.tally.layout.stride();
-        let traces = if shape.trace { self.segment(cells) as usize * self.goniometer.incident_cells() } else { 0 };
+        let bins = cells * start_words(self.tables, self.goniometer);
+        let traces = if shape.trace { self.segment(cells) as usize * self.goniometer.starts() } else { 0 };
         let pipeline = self.gpu.pipeline(shape)?;
         Session::new(&self.gpu.device, pipeline, shape, packed, bins, traces, self.settings.bins_preset)
     }
@@ -316,8 +330,6 @@ impl<'a> Run<'a> {
     fn run_batch(&mut self, cells: Range<usize>, packed: &Packed, progress: &mut dyn FnMut(&Tally)) -> Result<()> {
         let mut session = self.session(self.shape, packed)?;
         let segment = self.segment(cells.len());
-        let stride = self.tally.layout.stride();
-        let bins = cells.start * stride..cells.end * stride;
         let end = self.plan.first + self.plan.walks_per_incident;
         let mut start = self.plan.first;
         while start < end {
@@ -325,7 +337,7 @@ impl<'a> Run<'a> {
             let mut params = params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks);
             params.blocks = params.blocks.saturating_sub(self.settings.withheld_blocks);
             session.restart(&params, self.settings.sums_preset);
-            self.run_segment(&mut session, bins.clone(), walks * cells.len() as u64, progress)?;
+            self.run_segment(&mut session, cells.start, walks * cells.len() as u64, progress)?;
             if self.shape.trace {
                 self.keep_traces(&session, cells.start, start, walks)?;
             }
@@ -338,7 +350,7 @@ impl<'a> Run<'a> {
     fn run_segment(
         &mut self,
         session: &mut Session,
-        bins: Range<usize>,
+        first: usize,
         walks: u64,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<()> {
@@ -360,7 +372,7 @@ impl<'a> Run<'a> {
             self.tally.counts = before;
             self.tally.counts += counts(&now, self.settings.sums_preset);
             if drained.elapsed() > DRAIN || u64::from(now.finished) >= walks {
-                session.drain(&mut self.tally.bins[bins.clone()])?;
+                session.drain(&mut self.tally, first)?;
                 drained = Instant::now();
                 progress(&self.tally);
             }
@@ -370,7 +382,7 @@ impl<'a> Run<'a> {
     }
 
     fn keep_traces(&mut self, session: &Session, cell: usize, start: u64, walks: u64) -> Result<()> {
-        let stride = self.goniometer.incident_cells();
+        let stride = self.goniometer.starts();
         let offset = (start - self.plan.first) as usize * stride + cell;
         for (slot, trace) in session.traces(walks as usize * stride)?.iter().enumerate() {
             if trace.counted > 1 {

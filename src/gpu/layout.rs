@@ -1,5 +1,6 @@
 //! What host and shaders share: structures and bindings, spelt once here and checked against the WGSL by a test.
 
+use crate::scene::MAX_KINDS;
 use bytemuck::{Pod, Zeroable};
 use std::mem::{offset_of, size_of};
 use wgpu::{
@@ -35,19 +36,22 @@ macro_rules! gpu_struct {
 gpu_struct! {
     /// Parameters of a run of dispatches.
     Params {
-        seed: [u32; 2], base: [u32; 2], id_stride: u32, cells: u32, walks: u32, blocks: u32, threshold_bits: u32,
-        max_events: u32, exit_n: u32, exit_cells: u32, mean_free_path: f32, thickness: f32, ior: f32,
-        ior_reciprocal: f32, ior_square_less_1: f32, patch_unit: f32, incident_edge: f32, cells_reciprocal: f32,
+        seed: [u32; 2], base: [u32; 2], id_stride: u32, starts: u32, front_starts: u32, walks: u32, blocks: u32,
+        threshold_bits: u32, max_events: u32, exit_n: u32, exit_cells: u32, start_words: u32, mean_free_path: f32,
+        thickness: f32, patch_unit: f32, incident_edge: f32, starts_reciprocal: f32, half_length: f32,
+        kinds: [[f32; 4]; MAX_KINDS], clearest: [f32; 4],
     }
 }
 
 gpu_struct! {
     /// A lane between two dispatches.
     Lane {
-        ray: [f32; 4], id: [u32; 2], cell: u32, event: u32, hits: u32, state: u32, drained: u32, next_ready: u32,
-        next: [f32; 4], next_id: [u32; 2], next_cell: u32, pending_full: u32, pending: [f32; 4], pending_cell: u32,
-        pending_hits: u32, pending_events: u32, pending_slot: u32, block_cell: u32, block_walk: u32, block_end: u32,
-        spare: u32,
+        ray: [f32; 4], id: [u32; 2], start: u32, event: u32, hits: u32, state: u32, drained: u32, next_ready: u32,
+        next: [f32; 4], next_id: [u32; 2], next_start: u32, pending_full: u32, pending: [f32; 4],
+        pending_id: [u32; 2], pending_start: u32, pending_hits: u32, pending_events: u32, block_start: u32,
+        block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], log_gain: f32,
+        pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
+        spare: [u32; 2],
     }
 }
 
@@ -55,7 +59,7 @@ gpu_struct! {
     /// Sums over all lanes.
     Counters {
         next_block: u32, launched: u32, finished: u32, resumed: u32, tentative_low: u32, tentative_high: u32,
-        collisions_low: u32, collisions_high: u32,
+        collisions_low: u32, collisions_high: u32, base_exits_low: u32, base_exits_high: u32,
     }
 }
 
@@ -101,6 +105,7 @@ pub const BINDINGS: &[(u32, u32, &str, Resource)] = &[
     (0, 5, "bins", Resource::ReadWrite),
     (0, 6, "counters", Resource::ReadWrite),
     (0, 7, "traces", Resource::ReadWrite),
+    (0, 8, "absorption", Resource::Uniform),
     (1, 0, "probe_inputs", Resource::Read),
     (1, 1, "probe_outputs", Resource::ReadWrite),
 ];

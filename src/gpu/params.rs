@@ -1,46 +1,62 @@
 //! Numbers that go to the device before a run of dispatches, and sums that come back.
 
 use super::layout::{BLOCK, Counters, Params};
+use super::pack::by_kind;
 use crate::goniometer::{Counts, Goniometer, Incidence};
+use crate::scene::{MAX_KINDS, Side};
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
 use std::ops::Range;
 
-/// Parameters of walks `walks` of the incident cells `cells`.
+/// Parameters of walks `walks` of the starts `starts`.
 pub fn params(
     tables: &SamplingTables,
     goniometer: &Goniometer,
     plan: &WalkPlan,
-    cells: Range<usize>,
+    starts: Range<usize>,
     walks: Range<u64>,
 ) -> Params {
     let halves = |value: u64| [value as u32, (value >> 32) as u32];
-    let stride = goniometer.incident_cells();
     let incident_edge = match &goniometer.incidence {
         Incidence::Disc(disc) => 2.0 / f64::from(disc.n),
         Incidence::Listed(_) => 0.0,
     };
     let walk_count = (walks.end - walks.start) as u32;
+    let mut kinds = [[0.0; 4]; MAX_KINDS];
+    for (place, kind) in kinds.iter_mut().zip(&tables.kinds) {
+        let ior = kind.ior;
+        *place = [ior, 1.0 / ior, ior * ior - 1.0, kind.radius].map(|value| value as f32);
+    }
     Params {
         seed: halves(plan.seed),
-        base: halves(WalkPlan::walk_id(stride, walks.start, cells.start)),
-        id_stride: stride as u32,
-        cells: cells.len() as u32,
+        base: halves(WalkPlan::walk_id(goniometer.starts(), walks.start, starts.start)),
+        id_stride: goniometer.starts() as u32,
+        starts: starts.len() as u32,
+        front_starts: starts.clone().filter(|&start| goniometer.side(start) == Side::Front).count() as u32,
         walks: walk_count,
-        blocks: cells.len() as u32 * walk_count.div_ceil(BLOCK),
+        blocks: starts.len() as u32 * walk_count.div_ceil(BLOCK),
         threshold_bits: 32 - tables.alias.index_bits(),
         max_events: plan.max_events,
         exit_n: goniometer.exit.n,
         exit_cells: goniometer.exit.cells() as u32,
+        start_words: start_words(tables, goniometer) as u32,
         mean_free_path: (1.0 / tables.majorant) as f32,
         thickness: tables.thickness as f32,
-        ior: tables.ior as f32,
-        ior_reciprocal: (1.0 / tables.ior) as f32,
-        ior_square_less_1: (tables.ior * tables.ior - 1.0) as f32,
         patch_unit: tables.patch_unit as f32,
         incident_edge: incident_edge as f32,
-        cells_reciprocal: (1.0 / cells.len() as f64) as f32,
+        starts_reciprocal: (1.0 / starts.len() as f64) as f32,
+        half_length: tables.half_length.min(1e9) as f32,
+        kinds,
+        clearest: by_kind(tables, |kind| kind.clearest() as f32),
     }
+}
+
+/// Words that the device keeps for one start: numbers of walks by bin, then four words of moments by exit bin and
+/// channel, the absorbed light last.
+pub fn start_words(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
+    let layout = goniometer.layout();
+    let moments = if tables.absorbing() { 4 * (2 * layout.exit_cells + 1) * tables.channels() } else { 0 };
+    layout.stride() + moments
 }
 
 /// The sums of all lanes, joined from their words.
@@ -53,5 +69,6 @@ pub fn counts(counters: &Counters, preset: u32) -> Counts {
         finished: u64::from(counters.finished),
         tentative_events: join(counters.tentative_high, counters.tentative_low),
         collisions: join(counters.collisions_high, counters.collisions_low),
+        base_exits: join(counters.base_exits_high, counters.base_exits_low),
     }
 }

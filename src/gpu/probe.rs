@@ -10,6 +10,7 @@ use super::session::bind;
 use super::shader::Shader;
 use crate::error::Result;
 use crate::goniometer::{Goniometer, Incidence};
+use crate::scene::MAX_CHANNELS;
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
 use wgpu::{BindingResource, BufferUsages};
@@ -51,7 +52,12 @@ impl<'a> Probe<'a> {
         device.queue.write_buffer(&output, 0, &vec![0xa5; calls * 16]);
         let listed = matches!(self.goniometer.incidence, Incidence::Listed(_));
         let flag = |on: bool| f64::from(u8::from(on));
-        let overrides = [("TABLE_IN_TEXTURE", flag(self.table_in_texture)), ("LISTED", flag(listed))];
+        let overrides = [
+            ("TABLE_IN_TEXTURE", flag(self.table_in_texture)),
+            ("LISTED", flag(listed)),
+            ("KINDS", self.tables.kinds.len() as f64),
+            ("BASES", flag(self.tables.half_length.is_finite())),
+        ];
         let pipeline = device.pipeline(&Shader::probe(), entry, &[0, 1], &overrides)?;
         let medium = self.bind_medium(device)?;
         let io = bind(device, 1, [input.as_entire_binding(), output.as_entire_binding()]);
@@ -74,6 +80,7 @@ impl<'a> Probe<'a> {
         let params = device.buffer("params", size_of::<Params>() as u64, uniform)?;
         let table = device.buffer("table_uniform", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
         let incident = device.buffer("incident", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
+        let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
         let unused = [size_of::<Lane>(), 4, size_of::<Counters>(), size_of::<Trace>()];
         let unused = unused.map(|bytes| device.buffer("unused", bytes as u64, storage));
         let [lanes, bins, counters, traces] = unused;
@@ -97,6 +104,7 @@ impl<'a> Probe<'a> {
             bins.as_entire_binding(),
             counters.as_entire_binding(),
             traces.as_entire_binding(),
+            absorption.as_entire_binding(),
         ];
         Ok(bind(device, 0, resources))
     }

@@ -1,10 +1,12 @@
-//! The buffers and the pipeline of one batch of incident cells, and its dispatches.
+//! The buffers and the pipeline of one batch of starts, and its dispatches.
 
 use super::device::OpenDevice;
 use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
 use super::pack::texture;
 use super::shader::Shader;
 use crate::error::Result;
+use crate::goniometer::Tally;
+use crate::scene::MAX_CHANNELS;
 use std::mem::size_of;
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 
@@ -19,12 +21,18 @@ pub struct Shape {
     pub jitter: bool,
     pub listed: bool,
     pub trace: bool,
+    pub kinds: u32,
+    pub channels: u32,
+    pub absorbing: bool,
+    pub bases: bool,
+    pub roulette: bool,
 }
 
 /// The tables of a run, packed.
 pub struct Packed<'a> {
     pub directions: &'a [[u32; 4]],
     pub incident: &'a [[f32; 4]],
+    pub absorption: &'a [[f32; 4]],
 }
 
 /// A pipeline with its buffers.
@@ -74,14 +82,16 @@ impl<'a> Session<'a> {
             device.buffer("bins", bins as u64 * 4, storage)?,
             device.buffer("counters", size_of::<Counters>() as u64, storage)?,
             device.buffer("traces", trace_bytes, storage)?,
+            device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?,
             device.buffer("staging", staging_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,
         ];
-        let [params, table, incident, lanes, bin_buffer, counters, trace_buffer, staging] = buffers;
+        let [params, table, incident, lanes, bin_buffer, counters, trace_buffer, absorption, staging] = buffers;
         let in_texture = if shape.table_in_texture { packed.directions } else { &[] };
         if !shape.table_in_texture {
             device.queue.write_buffer(&table, 0, bytemuck::cast_slice(packed.directions));
         }
         device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
+        device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
         let view = texture(&device.device, &device.queue, in_texture);
         let resources = [
             params.as_entire_binding(),
@@ -92,6 +102,7 @@ impl<'a> Session<'a> {
             bin_buffer.as_entire_binding(),
             counters.as_entire_binding(),
             trace_buffer.as_entire_binding(),
+            absorption.as_entire_binding(),
         ];
         let group = bind(device, 0, resources);
         let mut seen = Vec::new();
@@ -118,7 +129,8 @@ impl<'a> Session<'a> {
     /// Set new parameters, empty the lanes and the counters; sums of two words start at `preset`.
     pub fn restart(&self, params: &Params, preset: u32) {
         self.device.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
-        let counters = Counters { tentative_low: preset, collisions_low: preset, ..Counters::default() };
+        let [tentative_low, collisions_low, base_exits_low] = [preset; 3];
+        let counters = Counters { tentative_low, collisions_low, base_exits_low, ..Counters::default() };
         self.device.queue.write_buffer(&self.counters, 0, bytemuck::bytes_of(&counters));
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.lanes, 0, None);
@@ -140,13 +152,27 @@ impl<'a> Session<'a> {
         Ok(bytemuck::cast_slice(&words)[0])
     }
 
-    /// Add what the bins have counted since the last time; a bin gets fewer than 2³² counts between two drains.
-    pub fn drain(&mut self, into: &mut [u64]) -> Result<()> {
+    /// Add what the words of the starts from `first` on have counted since the last time.
+    ///
+    /// A bin gets fewer than 2³² walks between two drains, and a moment fewer than 2⁶⁴ units.
+    pub fn drain(&mut self, tally: &mut Tally, first: usize) -> Result<()> {
         let now = self.read(self.encoder(), &self.bins, self.seen.len())?;
-        for ((sum, seen), now) in into.iter_mut().zip(&mut self.seen).zip(now) {
-            *sum += u64::from(now.wrapping_sub(*seen));
-            *seen = now;
+        let (stride, moments) = (tally.layout.stride(), (2 * tally.layout.exit_cells + 1) * tally.channels());
+        let words = stride + if tally.weights.is_some() { 4 * moments } else { 0 };
+        for (start, (now, seen)) in (first..).zip(now.chunks_exact(words).zip(self.seen.chunks_exact(words))) {
+            let bins = &mut tally.bins[start * stride..(start + 1) * stride];
+            for (sum, (now, seen)) in bins.iter_mut().zip(now.iter().zip(seen)) {
+                *sum += u64::from(now.wrapping_sub(*seen));
+            }
+            let Some(weights) = &mut tally.weights else { continue };
+            let join = |words: &[u32]| u64::from(words[1]) << 32 | u64::from(words[0]);
+            let pairs = now[stride..].chunks_exact(4).zip(seen[stride..].chunks_exact(4));
+            for (sum, (now, seen)) in weights.moments[start * moments..(start + 1) * moments].iter_mut().zip(pairs) {
+                sum.sum += join(&now[..2]).wrapping_sub(join(&seen[..2]));
+                sum.square += join(&now[2..]).wrapping_sub(join(&seen[2..]));
+            }
         }
+        self.seen = now;
         Ok(())
     }
 
@@ -174,7 +200,7 @@ pub fn bind<const N: usize>(device: &OpenDevice, group: u32, resources: [Binding
     device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 7] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 12] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -184,5 +210,10 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 7] {
         ("JITTER", flag(shape.jitter)),
         ("LISTED", flag(shape.listed)),
         ("TRACE", flag(shape.trace)),
+        ("KINDS", f64::from(shape.kinds)),
+        ("CHANNELS", f64::from(shape.channels)),
+        ("ABSORBING", flag(shape.absorbing)),
+        ("BASES", flag(shape.bases)),
+        ("ROULETTE", flag(shape.roulette)),
     ]
 }

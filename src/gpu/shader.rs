@@ -2,7 +2,9 @@
 
 use super::layout::{BLOCK, TEXTURE_BITS, UNIFORM_ENTRIES};
 use crate::error::{Error, Result};
-use crate::walk::Purpose;
+use crate::goniometer::{OUTCOMES, WEIGHT};
+use crate::scene::{MAX_CHANNELS, MAX_KINDS};
+use crate::walk::{Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader of several parts.
@@ -25,7 +27,7 @@ impl Shader {
 
     /// The kernel.
     pub fn walk() -> Shader {
-        Shader::common().with(part!("walk.wgsl"))
+        Shader::common().with(part!("score.wgsl")).with(part!("walk.wgsl"))
     }
 
     /// The functions of the kernel one by one.
@@ -103,17 +105,23 @@ fn chain(error: &dyn std::error::Error) -> String {
 /// Constants that the host decides.
 fn constants() -> String {
     let constant = |(name, value): (&str, u32)| format!("const {name}: u32 = {value}u;\n");
-    [
+    let numbers = [
         ("UNIFORM_ENTRIES", UNIFORM_ENTRIES),
         ("TEXTURE_BITS", TEXTURE_BITS),
         ("TEXTURE_MASK", (1 << TEXTURE_BITS) - 1),
         ("BLOCK", BLOCK),
         ("PURPOSE_EVENT", Purpose::Event as u32),
         ("PURPOSE_START", Purpose::Start as u32),
-    ]
-    .into_iter()
-    .map(constant)
-    .collect()
+        ("PURPOSE_EXIT", Purpose::Exit as u32),
+        ("PURPOSE_ROULETTE", Purpose::Roulette as u32),
+        ("MAX_KINDS", MAX_KINDS as u32),
+        ("MAX_CHANNELS", MAX_CHANNELS as u32),
+        ("OUTCOMES", OUTCOMES as u32),
+        ("WEIGHT", WEIGHT as u32),
+        ("ROULETTE_EVERY", ROULETTE_EVERY),
+    ];
+    let share = format!("const ROULETTE_BELOW: f32 = {ROULETTE_BELOW:?};\n");
+    numbers.into_iter().map(constant).collect::<String>() + &share
 }
 
 #[cfg(test)]

@@ -61,17 +61,26 @@ impl Tuning {
 
     /// Choose by the measured seconds of one pass of one lane: the longest budget that fits with the fewest lanes, then
     /// as many lanes as fit.
-    pub fn choose(&self, seconds_per_pass: f64) -> Choice {
+    pub fn choose(&self, seconds_per_pass: f64, longest: u32) -> Choice {
         let passes = self.target / seconds_per_pass;
         let fits = |budget: &u32| f64::from(*budget) * f64::from(self.fewest_lanes) <= passes;
-        let budgets = [4096, 1024, 256].into_iter().filter(|budget| *budget <= self.most_budget);
-        let budget = budgets.into_iter().find(fits).unwrap_or(256);
+        let most = longest.min(self.most_budget);
+        let budgets = [4096, 1024, 256].into_iter().filter(|budget| *budget <= most);
+        let budget = budgets.into_iter().find(fits).unwrap_or(most.min(256));
         let mut lanes = self.fewest_lanes;
         while lanes < self.most_lanes && f64::from(2 * lanes) * f64::from(budget) <= passes {
             lanes *= 2;
         }
         Choice { lanes, budget }
     }
+}
+
+/// The longest dispatch in which lavapipe, which ends a shader after 65,535 loop iterations in all, ends no loop early.
+///
+/// A pass takes one iteration and hardly ever more than two for the chords; a flush one, and one for each channel.
+pub fn longest_budget(flush_every: u32, channels: u32) -> u32 {
+    let iterations = |budget: u32| 3 * budget + budget.div_ceil(flush_every) * (2 + channels);
+    [4096, 1024, 256].into_iter().find(|budget| iterations(*budget) < 60_000).unwrap_or(128)
 }
 
 /// Passes between two flushes, by the majorant optical depth: short walks must not wait for the flush.
@@ -94,7 +103,7 @@ mod tests {
         for kind in [Kind::Hardware, Kind::Software] {
             let tuning = Tuning::start(kind);
             for seconds_per_pass in [1e-11, 1e-10, 1e-9, 1.4e-8] {
-                let Choice { lanes, budget } = tuning.choose(seconds_per_pass);
+                let Choice { lanes, budget } = tuning.choose(seconds_per_pass, 4096);
                 let time = f64::from(lanes) * f64::from(budget) * seconds_per_pass;
                 assert!(time <= tuning.target, "{kind:?}, {seconds_per_pass}: {time} s");
                 assert!([256, 1024, 4096].contains(&budget) && lanes.is_power_of_two());

@@ -5,7 +5,7 @@ use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::distribution::{DirectionGrid, SpecificLength};
 use crate::error::{Error, Result};
-use crate::goniometer::{Goniometer, Tally};
+use crate::goniometer::{Goniometer, Moments, Tally};
 use crate::scene::Scene;
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, WalkPlan};
@@ -69,28 +69,37 @@ pub struct Prepared {
 /// [`Error::Input`] when the run would not fit into memory.
 pub fn prepare(scene: &Scene) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
-    let bytes = memory(&goniometer);
+    let grid = DirectionGrid { n: scene.model.directions.isqrt() };
+    let specific_length = SpecificLength::of_sheet(&scene.sheet, grid);
+    let tables = SamplingTables::new(scene, &specific_length);
+    let bytes = memory(&tables, &goniometer);
     if bytes > MAX_BYTES {
-        let (cells, exits) = (goniometer.incident_cells(), goniometer.exit.cells());
+        let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());
+        // Grey and rgb leave nothing to choose.
+        let (channels, fewer) = match tables.channels() {
+            channels if channels > 3 => (format!(" and {channels} channels"), " or take fewer wavelengths"),
+            _ => (String::new(), ""),
+        };
         return Err(Error::Input(format!(
-            "{cells} incident cells with {exits} exit cells on each side take about {} MiB of memory, allowed: {} MiB; \
-             lower `incident` or `exit`",
+            "{cells} incident cells with {exits} exit cells on each side{channels} take about {} MiB of memory, allowed: \
+             {} MiB; lower `incident` or `exit`{fewer}",
             bytes.div_ceil(1 << 20),
             MAX_BYTES >> 20
         )));
     }
-    let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-    let specific_length = SpecificLength::of_sheet(&scene.sheet, grid);
-    let tables = SamplingTables::new(scene, &specific_length);
     Ok(Prepared { specific_length, tables, goniometer })
 }
 
-/// Memory in bytes that the results of a run take at most: the tally, the table as it is written, and what the gpu engine
-/// holds of one batch (on the device, as last seen, and twice on the way).
-pub fn memory(goniometer: &Goniometer) -> usize {
-    let bins = goniometer.layout().stride() * goniometer.incident_cells();
-    let batch = (4 * bins).min(128 << 20);
-    bins * size_of::<u64>() + 2 * bins * size_of::<f32>() + 4 * batch
+/// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, the table as it is
+/// written, and what the gpu engine holds of one batch (on the device, as last seen, and twice on the way).
+pub fn memory(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
+    let (layout, starts) = (goniometer.layout(), goniometer.starts());
+    let bins = layout.stride() * starts;
+    let moments = if tables.absorbing() { (2 * layout.exit_cells + 1) * tables.channels() * starts } else { 0 };
+    let tally = bins * size_of::<u64>() + moments * size_of::<Moments>();
+    let written = 2 * bins * tables.channels() * size_of::<f32>();
+    let batch = (4 * (bins + 4 * moments)).min(128 << 20);
+    2 * tally + written + 4 * batch
 }
 
 /// Measure a prepared scene with a chosen engine until `stop` says that it is enough; `started` is when the work on it
@@ -107,7 +116,7 @@ pub fn run(
     mut progress: Option<&mut dyn FnMut(Progress)>,
 ) -> Result<Measurement> {
     let Prepared { tables, goniometer, .. } = prepared;
-    let starts = goniometer.incident_cells() as u64;
+    let starts = goniometer.starts() as u64;
     let most = MAX_WALKS / starts;
     let begun = Instant::now();
     let mut next_look = begun + LOOK;

@@ -42,13 +42,13 @@ pub struct SelfTest {
 /// [`Error::Failed`] when the result is wrong (a right engine fails once in a million seeds; the seed is fixed), and
 /// the engine's own errors.
 pub fn self_test(engine: &dyn Engine) -> Result<SelfTest> {
-    let source = Source { file: "self-test".into(), stem: "self-test".into(), text: CLOTH.into() };
+    let source = Source { file: "self-test".into(), stem: "self-test".into(), text: CLOTH.into(), folder: None };
     let Prepared { tables, goniometer, .. } = prepare(&Scene::parse(&source)?)?;
     let plan = WalkPlan::new(20_240_229, WALKS);
     let tally = engine.run(&tables, &goniometer, &plan, &mut |_| {})?;
     let expected = Reference.run(&tables, &goniometer, &plan, &mut |_| {})?;
     let result = SelfTest { direct_z: direct_z(&tally), moved: moved(&tally, &expected) };
-    let lost: u64 = (0..tally.incident_cells()).map(|cell| tally.lost(cell)).sum();
+    let lost: u64 = (0..tally.starts()).map(|cell| tally.lost(cell)).sum();
     if result.direct_z < 5.0 && result.moved < MOST_MOVED && lost == 0 {
         return Ok(result);
     }
@@ -90,8 +90,8 @@ mod tests {
             plan: &WalkPlan,
             progress: &mut dyn FnMut(&Tally),
         ) -> Result<Tally> {
-            let tables =
-                SamplingTables { ior: tables.ior * self.0, thickness: tables.thickness * self.1, ..tables.clone() };
+            let mut tables = SamplingTables { thickness: tables.thickness * self.1, ..tables.clone() };
+            tables.kinds[0].ior *= self.0;
             Reference.run(&tables, goniometer, plan, progress)
         }
     }

@@ -79,20 +79,20 @@ mod tests {
     #[test]
     fn each_rule_stops_when_it_says() {
         let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
-        let mut tally = Tally::new(origin, BinLayout { exit_cells: 1 }, 1);
+        let mut tally = Tally::new(origin, BinLayout { exit_cells: 1 }, 1, None);
         let now = Instant::now();
         assert_eq!(Stop::Walks(10).next(&tally, 0, now, 100), Some(10));
         assert_eq!(Stop::Walks(10).next(&tally, 10, now, 100), None);
         assert_eq!(Stop::Tolerance(0.05).next(&tally, 0, now, 1 << 30), Some(4096));
         // Half of 4096 walks: noise 1/√4095 = 1.6 %.
-        tally.bins = vec![2048, 0, 2048, 0];
+        tally.bins = vec![2048, 0, 2048, 0, 0];
         assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 1 << 30), Some(6144));
         assert_eq!(Stop::Tolerance(0.02).next(&tally, 4096, now, 1 << 30), None);
         assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 5000), Some(5000));
         assert_eq!(Stop::Time(Duration::ZERO).next(&tally, 4096, now, 1 << 30), None);
         assert_eq!(Stop::Time(Duration::from_secs(3600)).next(&tally, 6144, now, 1 << 30), Some(8192));
         // A cloth that scatters nothing comes to an end.
-        tally.bins = vec![0, 0, NOTHING, 0];
+        tally.bins = vec![0, 0, NOTHING, 0, 0];
         assert_eq!(Stop::Tolerance(0.01).next(&tally, NOTHING, now, 1 << 40), None);
     }
 }

@@ -4,6 +4,17 @@ use super::fresnel::reflectance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
+/// How light left a fiber.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// Unit vector.
+    pub direction: DVec3,
+    /// Length of the way inside, in radii.
+    pub path: f64,
+    /// Whether it left through a base and not through the side.
+    pub through_base: bool,
+}
+
 /// A ray that has hit a fiber, with everything that the closed form needs.
 ///
 /// All lengths are in fiber radii. Azimuths are in the frame e1 = ((m·p)p − m)/|m×p|, e2 = m×p/|m×p| (paper §4).
@@ -46,6 +57,44 @@ impl Encounter {
         }
     }
 
+    /// Let the light pass, in a cylinder whose bases lie `half_length` radii from the hit on both sides.
+    ///
+    /// `number` is uniform in (0, 1); it draws the number of chords, and what is left of it draws at which base the
+    /// light leaves, if it does. A base that totally reflects turns the axial component round, and so does one that
+    /// reflects by chance.
+    pub fn pass(&self, number: f64, half_length: f64) -> Passage {
+        let chords = self.chords(number);
+        let path = self.path_length(chords);
+        let side = |sign: f64| Passage { direction: self.exit_direction(chords, sign), path, through_base: false };
+        // Count the bases that the light would meet along its way.
+        let along = path * self.axial.abs() / self.ior;
+        let bases = ((along + half_length) / (2.0 * half_length)).floor();
+        if chords == 0 || half_length.is_infinite() || bases < 1.0 {
+            return side(1.0);
+        }
+        let sign = |bases: f64| if bases % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let sine_square = self.ior * self.ior - self.axial * self.axial;
+        if sine_square >= 1.0 {
+            return side(sign(bases));
+        }
+        // The rest of the number is uniform inside the interval that drew the chords.
+        let f = self.reflectance;
+        let inside = (1.0 - number) / ((1.0 - f) * f.powf(chords as f64 - 1.0));
+        let left = ((inside - f) / (1.0 - f)).clamp(1e-12, 1.0);
+        let base = reflectance((1.0 - sine_square).sqrt(), self.ior);
+        let reflected = if base > 0.0 { (left.ln() / base.ln()).floor() } else { 0.0 };
+        if reflected >= bases {
+            return side(sign(bases));
+        }
+        // Leave through base number `reflected` + 1: Snell at a plane keeps the transverse azimuth of that chord.
+        let path = (2.0 * reflected + 1.0) * half_length * self.ior / self.axial.abs();
+        let chord = (path / self.path_length(1)).ceil().max(1.0);
+        let azimuth = PI + self.azimuth - self.refracted_azimuth + self.turn(chord as u64 - 1);
+        let axial = (1.0 - sine_square).sqrt().copysign(self.axial) * sign(reflected);
+        let transverse = (self.e1 * azimuth.cos() + self.e2 * azimuth.sin()) * sine_square.sqrt();
+        Passage { direction: self.p * axial + transverse, path, through_base: true }
+    }
+
     /// The number of chords k that a uniform number in (0, 1) draws; 0 is reflection at the surface.
     ///
     /// P(0) = F, P(k) = (1 − F)² F^(k−1): P(at least k) = (1 − F) F^(k−1) is held against 1 − number.
@@ -55,10 +104,11 @@ impl Encounter {
         if rest >= entered { 0 } else { 1 + ((rest / entered).ln() / self.reflectance.ln()) as u64 }
     }
 
-    /// The direction in which light leaves after `chords` chords: its axial part stays (m·p)p.
-    pub fn exit_direction(&self, chords: u64) -> DVec3 {
+    /// The direction in which light leaves through the side after `chords` chords: its axial part is (m·p)p, times a
+    /// `sign` of −1 when bases have turned it round an odd number of times.
+    pub fn exit_direction(&self, chords: u64, sign: f64) -> DVec3 {
         let turn = 2.0 * self.azimuth + self.turn(chords);
-        self.p * self.axial + (self.e1 * turn.cos() + self.e2 * turn.sin()) * self.transverse
+        self.p * (self.axial * sign) + (self.e1 * turn.cos() + self.e2 * turn.sin()) * self.transverse
     }
 
     /// Where light leaves after `chords` chords: azimuth on the surface, and shift along p from the hit, in radii.
@@ -106,7 +156,7 @@ mod tests {
         for offset in [-0.999, -0.3, 0.0, 0.7, 0.999_999_8] {
             let encounter = Encounter::new(m, DVec3::new(0.0, 0.6, 0.8), offset, 1.0);
             assert_eq!(encounter.chords(0.5), 1);
-            assert!((encounter.exit_direction(1) - m).length() < 1e-9);
+            assert!((encounter.exit_direction(1, 1.0) - m).length() < 1e-9);
         }
     }
 }

@@ -11,5 +11,5 @@
 mod cylinder;
 mod fresnel;
 
-pub use cylinder::Encounter;
+pub use cylinder::{Encounter, Passage};
 pub use fresnel::reflectance;

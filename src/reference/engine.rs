@@ -2,12 +2,12 @@
 
 use super::walk::{Blind, walk};
 use crate::error::Result;
-use crate::goniometer::{Counts, Goniometer, Origin, Tally};
+use crate::goniometer::{Counts, Goniometer, Origin, Outcome, Tally, WEIGHT};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, WalkPlan, WalkRecord};
+use crate::walk::{Engine, Purpose, WalkPlan, WalkRecord, draw, uniform};
 use rayon::prelude::*;
 
-/// Walks of one incident cell made by one task.
+/// Walks of one start made by one task.
 const TASK: u64 = 4096;
 /// Tasks between two looks at the progress, for each thread.
 const TASKS_PER_ROUND: u64 = 16;
@@ -32,23 +32,24 @@ impl Engine for Reference {
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally> {
         let origin = Origin { engine: "cpu", adapter: self.adapter(), seed: plan.seed };
-        let cells = goniometer.incident_cells();
-        let mut tally = Tally::new(origin, goniometer.layout(), cells);
-        // A task is a block of walks of one cell; cells go round fastest.
-        let tasks = plan.walks_per_incident.div_ceil(TASK) * cells as u64;
+        let starts = goniometer.starts();
+        let channels = tables.absorbing().then(|| tables.channels());
+        let mut tally = Tally::new(origin, goniometer.layout(), starts, channels);
+        // A task is a block of walks of one start; starts go round fastest.
+        let tasks = plan.walks_per_incident.div_ceil(TASK) * starts as u64;
         let round = TASKS_PER_ROUND * rayon::current_num_threads() as u64;
         for first in (0..tasks).step_by(round as usize) {
-            let records: Vec<(usize, Vec<WalkRecord>)> = (first..(first + round).min(tasks))
+            let scores: Vec<(usize, Vec<Score>)> = (first..(first + round).min(tasks))
                 .into_par_iter()
                 .map(|task| {
-                    let (start, cell) = (task / cells as u64 * TASK, (task % cells as u64) as usize);
-                    let end = (start + TASK).min(plan.walks_per_incident);
-                    let walk = |i| walk(tables, goniometer, plan, cell, plan.first + i, &mut Blind);
-                    (cell, (start..end).map(walk).collect())
+                    let (first, start) = (task / starts as u64 * TASK, (task % starts as u64) as usize);
+                    let end = (first + TASK).min(plan.walks_per_incident);
+                    let score = |i| score(tables, goniometer, plan, start, plan.first + i);
+                    (start, (first..end).map(score).collect())
                 })
                 .collect();
-            for (cell, records) in &records {
-                count(&mut tally, *cell, records);
+            for (start, scores) in &scores {
+                scores.iter().for_each(|score| count(&mut tally, *start, score));
             }
             progress(&tally);
         }
@@ -58,15 +59,52 @@ impl Engine for Reference {
     }
 }
 
-fn count(tally: &mut Tally, cell: usize, records: &[WalkRecord]) {
-    let start = cell * tally.layout.stride();
-    for record in records {
-        tally.bins[start + record.bin as usize] += 1;
-        tally.counts += Counts {
-            launched: 1,
-            finished: 1,
-            tentative_events: u64::from(record.events),
-            collisions: u64::from(record.hits),
-        };
+/// What one walk adds to the tally.
+struct Score {
+    record: WalkRecord,
+    base_exits: u32,
+    /// Fixed-point weights by channel; empty when fibers do not absorb or the walk met none.
+    weights: Vec<u16>,
+}
+
+/// Make one walk and round its weights, q = ⌊w·2ˢ + u⌋, without bias.
+fn score(tables: &SamplingTables, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Score {
+    let walked = walk(tables, goniometer, plan, start, i, &mut Blind);
+    let layout = goniometer.layout();
+    let bin = walked.record.bin as usize;
+    let ended = bin == layout.outcome(Outcome::Ended);
+    let mut weights = Vec::new();
+    if tables.absorbing() && (bin < 2 * layout.exit_cells || ended) {
+        let id = WalkPlan::walk_id(goniometer.starts(), i, start);
+        let u = uniform(draw(plan.seed, id, 0, Purpose::Exit)[0]);
+        let weight = |channel| if ended { 0.0 } else { walked.weight(tables, channel) };
+        weights = (0..tables.channels()).map(|channel| (weight(channel) * WEIGHT as f64 + u) as u16).collect();
+        if ended {
+            weights.fill(0);
+        }
+    }
+    Score { record: walked.record, base_exits: walked.base_exits, weights }
+}
+
+fn count(tally: &mut Tally, start: usize, score: &Score) {
+    let layout = tally.layout;
+    let bin = score.record.bin as usize;
+    tally.bins[start * layout.stride() + bin] += 1;
+    tally.counts += Counts {
+        launched: 1,
+        finished: 1,
+        tentative_events: u64::from(score.record.events),
+        collisions: u64::from(score.record.hits),
+        base_exits: u64::from(score.base_exits),
+    };
+    let Some(weights) = &mut tally.weights else { return };
+    let bins = 2 * layout.exit_cells + 1;
+    for (channel, &q) in score.weights.iter().enumerate() {
+        let q = u64::from(q);
+        let mut add = |bin: usize, q: u64| weights.moments[(start * bins + bin) * weights.channels + channel].add(q);
+        if bin < 2 * layout.exit_cells {
+            add(bin, q);
+        }
+        add(2 * layout.exit_cells, WEIGHT - q);
     }
 }

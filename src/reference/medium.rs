@@ -10,8 +10,9 @@ pub fn free_path(tables: &SamplingTables, draws: &EventDraws) -> f64 {
     draws.free_path / tables.majorant
 }
 
-/// The direction p of the fiber at a tentative event, drawn with weight R f.
-pub fn draw_fiber(tables: &SamplingTables, draws: &EventDraws, jitter: bool) -> DVec3 {
-    let patch = tables.patches[tables.alias.draw(draws.entry)];
-    direction_of(patch.at(if jitter { draws.jitter } else { DVec2::splat(0.5) }))
+/// The direction p and the kind of the fiber at a tentative event, drawn together with weight R f.
+pub fn draw_fiber(tables: &SamplingTables, draws: &EventDraws, jitter: bool) -> (DVec3, usize) {
+    let entry = tables.alias.draw(draws.entry);
+    let place = if jitter { draws.jitter } else { DVec2::splat(0.5) };
+    (direction_of(tables.patches[entry].at(place)), usize::from(tables.entry_kinds[entry]))
 }

@@ -13,4 +13,4 @@ mod medium;
 mod walk;
 
 pub use engine::Reference;
-pub use walk::{Replay, replay};
+pub use walk::{Replay, Walked, replay};

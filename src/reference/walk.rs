@@ -1,10 +1,13 @@
 //! One stochastic walk from fiber to fiber (paper §4).
 
 use super::medium::{draw_fiber, free_path};
-use crate::goniometer::Goniometer;
-use crate::optics::Encounter;
-use crate::tables::SamplingTables;
-use crate::walk::{EventDraws, Purpose, WalkPlan, WalkRecord, draw, start_draws};
+use crate::goniometer::{Goniometer, Outcome};
+use crate::optics::{Encounter, Passage};
+use crate::scene::{MAX_KINDS, Side};
+use crate::tables::{Kind, SamplingTables};
+use crate::walk::{
+    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, draw, start_draws, uniform,
+};
 use glam::DVec3;
 
 /// Sees how near each decision of a walk was to falling the other way.
@@ -20,11 +23,33 @@ impl Witness for Blind {
     fn decide(&mut self, _: impl FnOnce() -> f64) {}
 }
 
+/// A finished walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walked {
+    /// How it went.
+    pub record: WalkRecord,
+    /// Path length inside each kind of fiber, in mm.
+    pub lengths: [f64; MAX_KINDS],
+    /// Logarithm of the factor by which roulette has raised its weight.
+    pub log_gain: f64,
+    /// Hits whose light left through a base.
+    pub base_exits: u32,
+}
+
+impl Walked {
+    /// Share of its light that a walk still carries in a channel, exp(−Σ σ ℓ) times the gain, at most 1.
+    pub fn weight(&self, tables: &SamplingTables, channel: usize) -> f64 {
+        let depth = |(kind, length): (&Kind, &f64)| kind.absorption[channel] * length;
+        let depth: f64 = tables.kinds.iter().zip(&self.lengths).map(depth).sum();
+        (self.log_gain - depth).exp().min(1.0)
+    }
+}
+
 /// A walk and its nearest decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Replay {
     /// How it went.
-    pub record: WalkRecord,
+    pub walked: Walked,
     /// The least distance of any decision from its threshold, taken relative to the scale on which errors of that
     /// quantity grow: depths by the sheet's thickness, numbers and bins as they are.
     pub nearest_tie: f64,
@@ -38,11 +63,11 @@ impl Witness for Nearest {
     }
 }
 
-/// Walk number `i` of an incident cell once more, with its nearest decision.
-pub fn replay(tables: &SamplingTables, goniometer: &Goniometer, plan: &WalkPlan, cell: usize, i: u64) -> Replay {
+/// Walk number `i` of a start once more, with its nearest decision.
+pub fn replay(tables: &SamplingTables, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Replay {
     let mut nearest = Nearest(f64::INFINITY);
-    let record = walk(tables, goniometer, plan, cell, i, &mut nearest);
-    Replay { record, nearest_tie: nearest.0 }
+    let walked = walk(tables, goniometer, plan, start, i, &mut nearest);
+    Replay { walked, nearest_tie: nearest.0 }
 }
 
 /// Walk until the light leaves the sheet or is given up.
@@ -50,45 +75,91 @@ pub(super) fn walk(
     tables: &SamplingTables,
     goniometer: &Goniometer,
     plan: &WalkPlan,
-    cell: usize,
+    start: usize,
     i: u64,
     witness: &mut impl Witness,
-) -> WalkRecord {
-    let id = WalkPlan::walk_id(goniometer.incident_cells(), i, cell);
-    let mut m = -goniometer.start_direction(cell, start_draws(draw(plan.seed, id, 0, Purpose::Start)));
-    let (mut z, mut hits) = (0.0, 0);
+) -> Walked {
+    let id = WalkPlan::walk_id(goniometer.starts(), i, start);
+    let lit = goniometer.side(start);
+    let mut m = -goniometer.start_direction(start, start_draws(draw(plan.seed, id, 0, Purpose::Start)));
+    let mut z = if lit == Side::Front { 0.0 } else { -tables.thickness };
+    let roulette = plan.roulette && tables.absorbing();
+    let mut walked = Walked {
+        record: WalkRecord { bin: 0, events: 0, hits: 0 },
+        lengths: [0.0; MAX_KINDS],
+        log_gain: 0.0,
+        base_exits: 0,
+    };
+    let layout = goniometer.layout();
     for event in 0..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
+        walked.record.events = event + 1;
         // Fly to the next tentative event.
         z += m.z * free_path(tables, &draws);
         witness.decide(|| z.abs().min((z + tables.thickness).abs()) / tables.thickness);
         if z > 0.0 || z < -tables.thickness {
-            witness.decide(|| bin_distance(goniometer, m, hits));
-            return WalkRecord { bin: goniometer.exit_bin(m, hits > 0) as u32, events: event + 1, hits };
+            witness.decide(|| bin_distance(goniometer, m, walked.record.hits));
+            walked.record.bin = goniometer.exit_bin(lit, m, walked.record.hits > 0) as u32;
+            return walked;
         }
         // Draw the fiber there and see whether the ray hits it.
-        let p = draw_fiber(tables, &draws, plan.jitter);
+        let (p, kind) = draw_fiber(tables, &draws, plan.jitter);
         let visible = m.cross(p).length();
         witness.decide(|| draws.accept - visible);
         if draws.accept < visible {
-            m = scatter(m, p, draws.offset, draws.accept / visible, tables.ior, witness);
-            hits += 1;
+            let number = draws.accept / visible;
+            let passage = scatter(m, p, draws.offset, number, &tables.kinds[kind], tables.half_length, witness);
+            m = passage.direction.normalize();
+            walked.lengths[kind] += passage.path * tables.kinds[kind].radius;
+            walked.base_exits += u32::from(passage.through_base);
+            walked.record.hits += 1;
+        }
+        if roulette && (event + 1) % ROULETTE_EVERY == 0 {
+            let round = event / ROULETTE_EVERY;
+            if !survive(&mut walked, tables, draw(plan.seed, id, round, Purpose::Roulette), witness) {
+                walked.record.bin = layout.outcome(Outcome::Ended) as u32;
+                return walked;
+            }
         }
     }
-    WalkRecord { bin: goniometer.layout().lost() as u32, events: plan.max_events, hits }
+    walked.record.bin = layout.outcome(Outcome::Lost) as u32;
+    walked
 }
 
 /// Send the ray through the fiber it has hit; `number` is uniform in (0, 1).
-fn scatter(m: DVec3, p: DVec3, offset: f64, number: f64, ior: f64, witness: &mut impl Witness) -> DVec3 {
-    let encounter = Encounter::new(m, p, offset, ior);
-    let chords = encounter.chords(number);
+fn scatter(
+    m: DVec3,
+    p: DVec3,
+    offset: f64,
+    number: f64,
+    kind: &Kind,
+    half_length: f64,
+    witness: &mut impl Witness,
+) -> Passage {
+    let encounter = Encounter::new(m, p, offset, kind.ior);
     // Thresholds of 1 − number lie at (1 − F) F^j: the two around the drawn k decide.
     witness.decide(|| {
+        let chords = encounter.chords(number) as i32;
         let (rest, f) = (1.0 - number, encounter.reflectance);
         let threshold = |j: i32| rest - (1.0 - f) * f.powi(j);
-        threshold(chords as i32).abs().min(if chords > 0 { threshold(chords as i32 - 1).abs() } else { 1.0 })
+        threshold(chords).abs().min(if chords > 0 { threshold(chords - 1).abs() } else { 1.0 })
     });
-    encounter.exit_direction(chords).normalize()
+    encounter.pass(number, half_length)
+}
+
+/// Play Russian roulette with a walk whose brightest channel may have kept little: it goes on with the probability of
+/// what it kept, and then carries all of it.
+fn survive(walked: &mut Walked, tables: &SamplingTables, words: [u32; 4], witness: &mut impl Witness) -> bool {
+    let clearest = |(kind, length): (&Kind, &f64)| kind.clearest() * length;
+    let depth: f64 = tables.kinds.iter().zip(&walked.lengths).map(clearest).sum();
+    let kept = (walked.log_gain - depth).exp();
+    witness.decide(|| kept - ROULETTE_BELOW);
+    if kept >= ROULETTE_BELOW {
+        return true;
+    }
+    witness.decide(|| uniform(words[0]) - kept);
+    walked.log_gain = depth;
+    uniform(words[0]) < kept
 }
 
 /// Distance of an exit from the edge of its bin: in cells, and from the horizon.

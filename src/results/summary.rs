@@ -9,19 +9,31 @@ use serde_json::{Value, json};
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, seconds } = measurement;
-    let incident: Vec<Value> = (0..tally.incident_cells())
-        .map(|cell| {
+    let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
+        let told_apart = tally.channels();
+        let names = scene.channels.names.iter().cloned().enumerate();
+        names.map(|(channel, name)| (name, of(channel.min(told_apart - 1)))).collect()
+    };
+    let cells = goniometer.incident_cells();
+    let mut sides = serde_json::Map::new();
+    for (place, side) in goniometer.sides.iter().enumerate() {
+        let entry = |start: usize| {
+            let mut entry = shares(&channels(&|channel| totals(tally, start, channel)));
             // A listed direction keeps the angles that it was given by.
             let [theta, phi] = match &scene.measure.incident {
-                Incident::List(angles) => angles[cell],
-                Incident::Disc(_) => goniometer.angles(cell),
+                Incident::List(angles) => angles[start % cells],
+                Incident::Disc(_) => goniometer.angles(start),
             };
-            let mut entry = shares(&totals(tally, cell));
             entry["theta_deg"] = json!(degrees(theta));
             entry["phi_deg"] = json!(degrees(phi));
             entry
-        })
-        .collect();
+        };
+        let incident: Vec<Value> = (place * cells..(place + 1) * cells).map(entry).collect();
+        let mean = hemispherical(tally, goniometer, place, 0)
+            .map(|_| channels(&|channel| hemispherical(tally, goniometer, place, channel).unwrap_or_default()));
+        let hemispherical = mean.map(|mean| shares(&mean));
+        sides.insert(side.name().into(), json!({ "incident": incident, "hemispherical": hemispherical }));
+    }
     let rate = |count: u64| count as f64 / seconds.walk;
     let value = json!({
         "name": scene.name,
@@ -38,22 +50,22 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "peak_bytes": peak_bytes(),
         "provenance": runs(measurement),
         "model": scene.model,
-        "sides": { "front": {
-            "incident": incident,
-            "hemispherical": hemispherical(tally, goniometer).map(|mean| shares(&mean)),
-        }},
+        "base_exits": tally.counts.base_exits,
+        "sides": sides,
     });
     format!("{value:#}\n")
 }
 
 /// The four shares by channel, and what was lost.
-fn shares(totals: &Totals) -> Value {
-    let channel = |estimate: Estimate| json!({ "Y": estimate });
+fn shares(totals: &[(String, Totals)]) -> Value {
+    let by_channel = |of: fn(&Totals) -> Estimate| -> Value {
+        totals.iter().map(|(name, totals)| (name.clone(), json!(of(totals)))).collect::<serde_json::Map<_, _>>().into()
+    };
     json!({
-        "reflectance": channel(totals.reflectance),
-        "transmittance": channel(totals.transmittance),
-        "direct": channel(totals.direct),
-        "absorptance": channel(totals.absorptance),
-        "lost": totals.lost,
+        "reflectance": by_channel(|totals| totals.reflectance),
+        "transmittance": by_channel(|totals| totals.transmittance),
+        "direct": by_channel(|totals| totals.direct),
+        "absorptance": by_channel(|totals| totals.absorptance),
+        "lost": totals[0].1.lost,
     })
 }

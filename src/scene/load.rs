@@ -1,5 +1,6 @@
 //! From a file name to a checked scene.
 
+use super::absorption::{Absorption, Channels, Clash, resolve};
 use super::measure::Measure;
 use super::model::Model;
 use super::presets::{PRESETS, preset};
@@ -8,7 +9,7 @@ use super::sheet::{Fiber, Sheet, read_fibers, read_sheet};
 use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 const NOT_WOVEN: &str = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
@@ -25,6 +26,8 @@ pub struct Source {
     pub stem: String,
     /// The TOML text.
     pub text: String,
+    /// Where files that it names lie; none for a preset.
+    pub folder: Option<PathBuf>,
 }
 
 impl Source {
@@ -36,7 +39,7 @@ impl Source {
         let path = Path::new(cloth);
         // A folder of that name is the result of an earlier run.
         if let (false, Some(text)) = (path.is_file(), preset(cloth)) {
-            return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into() });
+            return Ok(Source { file: format!("preset {cloth}"), stem: cloth.into(), text: text.into(), folder: None });
         }
         if !path.exists() {
             let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
@@ -48,7 +51,7 @@ impl Source {
             return Err(Error::Input(format!("{cloth} is a folder, not a cloth file")));
         }
         let file = |source| Error::File { action: "read the cloth file", path: path.into(), source };
-        let bytes = read(path).map_err(file)?;
+        let bytes = read_at_most(path, MAX_BYTES).map_err(file)?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(Error::Input(format!("{cloth} is longer than {} KiB: not a cloth file", MAX_BYTES >> 10)));
         }
@@ -58,14 +61,15 @@ impl Source {
             document.error(valid.len(), "a byte that is not UTF-8 text; save the file as UTF-8")
         })?;
         let stem = path.file_stem().map_or_else(|| cloth.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        Ok(Source { file: cloth.into(), stem, text })
+        let folder = path.parent().map(Path::to_owned);
+        Ok(Source { file: cloth.into(), stem, text, folder })
     }
 }
 
 /// The bytes of a file, and at most one too many.
-fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub(super) fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -80,6 +84,8 @@ pub struct Scene {
     pub fibers: Vec<Fiber>,
     /// The sheet.
     pub sheet: Sheet,
+    /// Colour channels, and what each kind of fiber of the sheet absorbs in them.
+    pub channels: Channels,
     /// How it is modelled.
     pub model: Model,
     /// How it is measured.
@@ -98,7 +104,7 @@ impl Scene {
         let planned = ["yarn", "weave", "knit"].map(|key| (key, NOT_WOVEN));
         root.expect_keys(&["name", "fiber", "sheet", "model", "measure"], &planned)?;
         let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
-        let fibers = read_fibers(&root.require("fiber")?.table()?)?;
+        let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
         let sheet = read_sheet(&root.require("sheet")?.table()?, &fibers)?;
         let mut model = Model::default();
         if let Some(value) = root.get("model") {
@@ -108,6 +114,16 @@ impl Scene {
         if let Some(value) = root.get("measure") {
             measure.read(&value.table()?)?;
         }
-        Ok(Scene { name, text: source.text.clone(), fibers, sheet, model, measure })
+        let used = sheet.kinds();
+        let kinds: Vec<(&str, &Absorption)> =
+            used.iter().map(|&kind| (fibers[kind].name.as_str(), &fibers[kind].absorption)).collect();
+        let channels = resolve(&kinds, &measure.wavelengths).map_err(|Clash { kind, message }| {
+            let place = match &kind {
+                Some(kind) => root.at(&["fiber", kind, "absorption_per_mm"]),
+                None => root.at(&["measure", "wavelengths_nm"]),
+            };
+            place.map_or_else(|| root.error(&message), |value| value.error(&message))
+        })?;
+        Ok(Scene { name, text: source.text.clone(), fibers, sheet, channels, model, measure })
     }
 }

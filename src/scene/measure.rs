@@ -1,5 +1,6 @@
 //! `[measure]`: how the cloth is measured.
 
+use super::absorption::{MAX_CHANNELS, WAVELENGTH};
 use super::reader::{Allowed, Document, Table, Value};
 use crate::error::Result;
 use toml::de::DeValue;
@@ -13,10 +14,33 @@ pub enum Incident {
     List(Vec<[f64; 2]>),
 }
 
+/// A face of the cloth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Side {
+    /// Its normal is +z.
+    Front,
+    /// Its normal is −z.
+    Back,
+}
+
+impl Side {
+    /// `front` or `back`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Front => "front",
+            Side::Back => "back",
+        }
+    }
+}
+
 /// The instrument's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
-    /// Incident directions, of light on the front.
+    /// Lit sides, front first, each once.
+    pub sides: Vec<Side>,
+    /// Wavelengths in nm at which spectra are read, ascending; empty for 400 to 700 by 10.
+    pub wavelengths: Vec<f64>,
+    /// Incident directions of each lit side.
     pub incident: Incident,
     /// N of the disc basis of exit cells.
     pub exit: u32,
@@ -24,15 +48,15 @@ pub struct Measure {
 
 impl Default for Measure {
     fn default() -> Measure {
-        Measure { incident: Incident::Disc(8), exit: 16 }
+        Measure { sides: vec![Side::Front], wavelengths: Vec::new(), incident: Incident::Disc(8), exit: 16 }
     }
 }
 
-const KEYS: [&str; 3] = ["sides", "incident", "exit"];
+const KEYS: [&str; 4] = ["sides", "incident", "exit", "wavelengths_nm"];
 
 impl Measure {
     pub(super) fn read(&mut self, table: &Table) -> Result<()> {
-        table.expect_keys(&KEYS, &[("wavelengths_nm", "has no use: no fiber has a spectrum")])?;
+        table.expect_keys(&KEYS, &[])?;
         for key in KEYS {
             if let Some(value) = table.get(key) {
                 self.set(key, &value)?;
@@ -54,7 +78,8 @@ impl Measure {
 
     fn set(&mut self, key: &str, value: &Value) -> Result<()> {
         match key {
-            "sides" => read_sides(value)?,
+            "sides" => self.sides = read_sides(value)?,
+            "wavelengths_nm" => self.wavelengths = read_wavelengths(value)?,
             "incident" => self.incident = read_incident(value)?,
             _ => {
                 let what = "the N of an N×N disc basis, a whole number from 1 to 256";
@@ -66,22 +91,35 @@ impl Measure {
     }
 }
 
-fn read_sides(value: &Value) -> Result<()> {
-    // A flag's bare word stands for a list of one; commas part the words.
-    let Some(items) = value.as_array() else {
-        return value.string()?.split(',').try_for_each(|word| read_side(value, word.trim()));
+fn read_sides(value: &Value) -> Result<Vec<Side>> {
+    // A flag's bare words stand for a list; commas part them.
+    let mut sides = match value.as_array() {
+        Some(items) => items.iter().map(|item| read_side(item, item.string()?)).collect::<Result<Vec<_>>>()?,
+        None => value.string()?.split(',').map(|word| read_side(value, word.trim())).collect::<Result<Vec<_>>>()?,
     };
-    if items.is_empty() {
-        return Err(value.expected("[\"front\"]"));
-    }
-    items.iter().try_for_each(|item| read_side(item, item.string()?))
+    sides.sort_unstable();
+    sides.dedup();
+    if sides.is_empty() { Err(value.expected("a list such as [\"front\", \"back\"]")) } else { Ok(sides) }
 }
 
-fn read_side(value: &Value, word: &str) -> Result<()> {
+fn read_side(value: &Value, word: &str) -> Result<Side> {
     match word {
-        "front" => Ok(()),
-        "back" => Err(value.error("`sides`: \"back\" is not available yet; allowed: front")),
-        _ => Err(value.error(format!("`sides`: unknown side \"{word}\"; allowed: front"))),
+        "front" => Ok(Side::Front),
+        "back" => Ok(Side::Back),
+        _ => Err(value.error(format!("`sides`: unknown side \"{word}\"; allowed: front, back"))),
+    }
+}
+
+fn read_wavelengths(value: &Value) -> Result<Vec<f64>> {
+    let what = "an ascending list of 1 to 128 wavelengths in nm, 0.001 nm or more apart";
+    let items = value.as_array().ok_or_else(|| value.expected(what))?;
+    let wavelengths = items.iter().map(|item| item.number(WAVELENGTH)).collect::<Result<Vec<f64>>>()?;
+    // Names of channels have six decimals, and two channels must not share one.
+    let ascending = wavelengths.windows(2).all(|pair| pair[1] - pair[0] > 0.000_999);
+    if ascending && (1..=MAX_CHANNELS).contains(&wavelengths.len()) {
+        Ok(wavelengths)
+    } else {
+        Err(value.expected(what))
     }
 }
 

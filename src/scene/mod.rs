@@ -6,6 +6,7 @@
 //!
 //! Differs from the paper: nothing; the paper does not say how its input is written.
 
+mod absorption;
 mod load;
 mod measure;
 mod model;
@@ -13,9 +14,10 @@ mod presets;
 mod reader;
 mod sheet;
 
+pub use absorption::{Absorption, Channels, MAX_CHANNELS};
 pub use load::{Scene, Source};
-pub use measure::{Incident, Measure};
+pub use measure::{Incident, Measure, Side};
 pub use model::{Model, Placement, Tracking};
 pub use presets::PRESETS;
 pub use reader::closest;
-pub use sheet::{Fiber, Orientation, Sheet, SheetFibers};
+pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers};

@@ -1,6 +1,6 @@
 //! `[model]`: how the cloth is modelled.
 
-use super::reader::{Document, Table, Value};
+use super::reader::{Allowed, Document, Table, Value};
 use crate::error::Result;
 use serde::Serialize;
 use toml::de::DeValue;
@@ -30,11 +30,18 @@ pub struct Model {
     pub placement: Placement,
     /// Cells of the direction grid, a square number.
     pub directions: u32,
+    /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
+    pub length_over_radius: f64,
 }
 
 impl Default for Model {
     fn default() -> Model {
-        Model { tracking: Tracking::NullCollision, placement: Placement::AtHit, directions: 1024 }
+        Model {
+            tracking: Tracking::NullCollision,
+            placement: Placement::AtHit,
+            directions: 1024,
+            length_over_radius: f64::INFINITY,
+        }
     }
 }
 
@@ -71,8 +78,11 @@ impl Model {
                 self.placement = value.choice(&[("at-hit", Placement::AtHit)], &planned)?;
             }
             "directions" => self.directions = read_directions(value)?,
-            _ if value.is_infinite() => {}
-            _ => return Err(value.expected("inf: fibers of finite length are not available yet")),
+            _ if value.is_infinite() => self.length_over_radius = f64::INFINITY,
+            _ => {
+                let number = value.number(Allowed::from(1.0, 1e9));
+                self.length_over_radius = number.map_err(|_| value.expected("inf or a number from 1 to 1000000000"))?;
+            }
         }
         Ok(())
     }

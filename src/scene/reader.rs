@@ -58,7 +58,8 @@ impl Allowed {
         Allowed { low, open: true, high }
     }
 
-    fn holds(&self, value: f64) -> bool {
+    /// Whether a number is in the range.
+    pub fn holds(&self, value: f64) -> bool {
         value.is_finite() && value <= self.high && if self.open { value > self.low } else { value >= self.low }
     }
 
@@ -109,6 +110,13 @@ impl<'a> Table<'a> {
         Some(Value { document: self.document, name, span: value.span(), value: value.get_ref() })
     }
 
+    /// A value in a table of a table.
+    pub fn at(&self, keys: &[&str]) -> Option<Value<'a>> {
+        let (first, rest) = keys.split_first()?;
+        let value = self.get(first)?;
+        if rest.is_empty() { Some(value) } else { value.table().ok()?.at(rest) }
+    }
+
     /// A value that must be there.
     pub fn require(&self, key: &str) -> Result<Value<'a>> {
         self.get(key).ok_or_else(|| {
@@ -157,6 +165,7 @@ impl<'a> Value<'a> {
         let text = self.document.source.get(self.span.clone()).unwrap_or_default();
         let found = match self.value {
             DeValue::Table(_) => "a table".to_owned(),
+            DeValue::Array(_) | DeValue::Integer(_) if text.len() > 60 => format!("an {}", self.value.type_str()),
             _ if text.len() > 60 => format!("a {}", self.value.type_str()),
             _ => text.to_owned(),
         };

@@ -1,13 +1,17 @@
 //! `[fiber.*]`, `[sheet]` and `[[sheet.fibers]]`.
 
+use super::absorption::{Absorption, read_absorption};
 use super::reader::{Allowed, Table, Value, closest};
 use crate::error::Result;
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::path::Path;
 
 const UM: f64 = 1e-3;
 /// Fibers cannot fill more of the space than this.
 const MAX_VOLUME_FRACTION: f64 = 0.9;
+/// Most kinds of fiber in one sheet: a walk keeps one path length for each.
+pub const MAX_KINDS: usize = 4;
 
 /// A kind of fiber.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +24,8 @@ pub struct Fiber {
     pub ior: f64,
     /// Density in g/cm³, if stated.
     pub density: Option<f64>,
+    /// What it absorbs, as the file says.
+    pub absorption: Absorption,
 }
 
 /// Directions of a population of fibers.
@@ -59,6 +65,14 @@ pub struct Sheet {
 }
 
 impl Sheet {
+    /// Indices of the kinds of fiber that the sheet has, ascending.
+    pub fn kinds(&self) -> Vec<usize> {
+        let mut kinds: Vec<usize> = self.fibers.iter().map(|part| part.fiber).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
+    }
+
     /// Share of the volume that is fiber, v = Σ π R² L.
     pub fn volume_fraction(&self, fibers: &[Fiber]) -> f64 {
         self.fibers.iter().map(|part| PI * fibers[part.fiber].radius.powi(2) * part.length_density).sum()
@@ -75,9 +89,9 @@ impl Sheet {
     }
 }
 
-pub(super) fn read_fibers(table: &Table) -> Result<Vec<Fiber>> {
+pub(super) fn read_fibers(table: &Table, folder: Option<&Path>) -> Result<Vec<Fiber>> {
     let read = |(name, value): (&str, Value)| match value.table() {
-        Ok(table) => read_fiber(name, &table),
+        Ok(table) => read_fiber(name, &table, folder),
         Err(_) => Err(value.expected("a table: [fiber.NAME] describes a kind of fiber")),
     };
     let fibers: Vec<Fiber> = table.entries().map(read).collect::<Result<_>>()?;
@@ -87,20 +101,40 @@ pub(super) fn read_fibers(table: &Table) -> Result<Vec<Fiber>> {
     Ok(fibers)
 }
 
-fn read_fiber(name: &str, table: &Table) -> Result<Fiber> {
-    let keys = ["radius_um", "ior", "density_g_per_cm3", "absorption_per_mm"];
-    let planned = ["roughness_deg", "cross_section", "fineness_dtex"].map(|key| (key, "is not available yet"));
+fn read_fiber(name: &str, table: &Table, folder: Option<&Path>) -> Result<Fiber> {
+    let keys = ["radius_um", "fineness_dtex", "ior", "density_g_per_cm3", "absorption_per_mm"];
+    let planned = ["roughness_deg", "cross_section"].map(|key| (key, "is not available yet"));
     table.expect_keys(&keys, &planned)?;
-    if let Some(value) = table.get("absorption_per_mm") {
-        value.number(Allowed::from(0.0, 0.0)).map_err(|_| value.expected("0: absorption is not available yet"))?;
-    }
     let density = table.get("density_g_per_cm3").map(|value| value.number(Allowed::above(0.0, 25.0))).transpose()?;
+    let absorption = table.get("absorption_per_mm").map(|value| read_absorption(&value, folder)).transpose()?;
     Ok(Fiber {
         name: name.into(),
-        radius: table.require("radius_um")?.number(Allowed::from(0.1, 1000.0))? * UM,
+        radius: read_radius(table, density)?,
         ior: table.require("ior")?.number(Allowed::from(1.0, 4.0))?,
         density,
+        absorption: absorption.unwrap_or(Absorption::Grey(0.0)),
     })
+}
+
+/// The radius, as it stands or from the mass of a length: R = √(T / (π ρ)); 1 dtex = 0.1 g/km.
+fn read_radius(table: &Table, density: Option<f64>) -> Result<f64> {
+    let allowed = Allowed::from(0.1 * UM, 1000.0 * UM);
+    let Some(fineness) = table.get("fineness_dtex") else {
+        return Ok(table.require("radius_um")?.number(Allowed::from(0.1, 1000.0))? * UM);
+    };
+    if table.get("radius_um").is_some() {
+        return Err(fineness.error("`fineness_dtex` and `radius_um` say the same thing; give one of them"));
+    }
+    let Some(density) = density else {
+        return Err(fineness.error("`fineness_dtex` needs `density_g_per_cm3` to give a radius"));
+    };
+    let dtex = fineness.number(Allowed::above(0.0, 1e6))?;
+    let radius = 0.01 * (dtex / (PI * density)).sqrt();
+    if allowed.holds(radius) {
+        Ok(radius)
+    } else {
+        Err(fineness.expected("a fineness that gives a radius from 0.1 to 1000 µm"))
+    }
 }
 
 pub(super) fn read_sheet(table: &Table, fibers: &[Fiber]) -> Result<Sheet> {
@@ -109,15 +143,14 @@ pub(super) fn read_sheet(table: &Table, fibers: &[Fiber]) -> Result<Sheet> {
     let value = table.require("fibers")?;
     let items = value.as_array().ok_or_else(|| value.expected("a list of tables, [[sheet.fibers]]"))?;
     let parts = items.iter().map(|item| read_part(&item.table()?, fibers)).collect::<Result<Vec<_>>>()?;
-    let Some(first) = parts.first() else {
+    if parts.is_empty() {
         return Err(value.error("the sheet is empty: it needs at least one [[sheet.fibers]]"));
-    };
-    if let Some(index) = parts.iter().position(|part| part.fiber != first.fiber) {
-        let [a, b] = [first, &parts[index]].map(|part| &fibers[part.fiber].name);
-        let message = format!("a sheet of two kinds of fiber (`{a}` and `{b}`) is not available yet");
-        return Err(items[index].error(message));
     }
     let sheet = Sheet { thickness, fibers: parts };
+    let found = sheet.kinds().len();
+    if found > MAX_KINDS {
+        return Err(value.error(format!("the sheet has {found} kinds of fiber; allowed: 1 to {MAX_KINDS}")));
+    }
     let v = sheet.volume_fraction(fibers);
     if v > MAX_VOLUME_FRACTION {
         let message = format!(

@@ -11,4 +11,4 @@ mod alias;
 mod sampling;
 
 pub use alias::AliasTable;
-pub use sampling::SamplingTables;
+pub use sampling::{Kind, SamplingTables};

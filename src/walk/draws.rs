@@ -47,7 +47,7 @@ pub fn start_draws(words: [u32; 4]) -> DVec2 {
 }
 
 /// (2k + 1)·2⁻²⁴ with k the 23 high bits: in the open interval, exact in f32 and in f64.
-fn uniform(word: u32) -> f64 {
+pub fn uniform(word: u32) -> f64 {
     f64::from((word >> 9) * 2 + 1) * 2f64.powi(-24)
 }
 

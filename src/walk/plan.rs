@@ -4,6 +4,10 @@ use crate::error::Result;
 use crate::goniometer::{Goniometer, Tally};
 use crate::tables::SamplingTables;
 
+/// Roulette is played each time that a walk has made this many more tentative events.
+pub const ROULETTE_EVERY: u32 = 16;
+/// Roulette is played when the brightest channel may have kept less than this share of the light.
+pub const ROULETTE_BELOW: f64 = 0.25;
 /// A walk is given up after this many tentative events.
 pub const MAX_EVENTS: u32 = 1 << 24;
 
@@ -12,25 +16,27 @@ pub const MAX_EVENTS: u32 = 1 << 24;
 pub struct WalkPlan {
     /// Seed of the random numbers.
     pub seed: u64,
-    /// First walk number i inside each incident cell.
+    /// First walk number i of each start.
     pub first: u64,
-    /// Walks of each incident cell.
+    /// Walks of each start, an incident cell of a lit side.
     pub walks_per_incident: u64,
     /// Draw directions inside the patch of a table entry; without it they sit in the middle of the patch.
     pub jitter: bool,
     /// A walk is lost after this many tentative events.
     pub max_events: u32,
+    /// Let Russian roulette end walks that carry little light.
+    pub roulette: bool,
 }
 
 impl WalkPlan {
     /// A plan with the usual settings.
     pub fn new(seed: u64, walks_per_incident: u64) -> WalkPlan {
-        WalkPlan { seed, first: 0, walks_per_incident, jitter: true, max_events: MAX_EVENTS }
+        WalkPlan { seed, first: 0, walks_per_incident, jitter: true, max_events: MAX_EVENTS, roulette: true }
     }
 
-    /// The walk id of walk number `i` of an incident cell, i·C + c with C incident cells.
-    pub fn walk_id(incident_cells: usize, i: u64, cell: usize) -> u64 {
-        i * incident_cells as u64 + cell as u64
+    /// The walk id of walk number `i` of a start, i·C + c with C starts.
+    pub fn walk_id(starts: usize, i: u64, start: usize) -> u64 {
+        i * starts as u64 + start as u64
     }
 }
 

@@ -11,6 +11,10 @@ pub enum Purpose {
     Event = 0,
     /// The start direction of a walk inside its incident cell.
     Start = 1,
+    /// Rounding of a walk's weights to fixed point.
+    Exit = 2,
+    /// Russian roulette of a walk.
+    Roulette = 3,
 }
 
 const ROUNDS: usize = 13;

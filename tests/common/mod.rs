@@ -24,11 +24,29 @@ pub fn engines() -> [(&'static str, &'static dyn Engine); 2] {
     [("gpu", gpu()), ("cpu", &Reference)]
 }
 
-/// A sheet of one kind of fiber, as numbers for a cloth file.
+/// A further kind of fiber and all its fibers.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    pub radius_um: f64,
+    pub ior: f64,
+    /// Text of `absorption_per_mm`.
+    pub absorption: String,
+    pub length_density: f64,
+    /// The rest of its `[[sheet.fibers]]`.
+    pub orientation: String,
+}
+
+/// A sheet, as numbers for a cloth file. The first kind has the fields of the cloth itself.
 #[derive(Clone, Debug)]
 pub struct Cloth {
     pub radius_um: f64,
     pub ior: f64,
+    /// Text of `absorption_per_mm`.
+    pub absorption: String,
+    pub more_kinds: Vec<Kind>,
+    pub length_over_radius: f64,
+    /// Text of `sides`.
+    pub sides: String,
     pub thickness_um: f64,
     /// Length density in mm/mm³ and the rest of a `[[sheet.fibers]]`.
     pub fibers: Vec<(f64, String)>,
@@ -44,12 +62,21 @@ pub fn aligned(axis: [f64; 3]) -> String {
     format!("orientation = \"aligned\"\naxis = {axis:?}")
 }
 
+/// `absorption_per_mm` of a dye.
+pub fn rgb(sigma: [f64; 3]) -> String {
+    format!("{{ rgb = {sigma:?} }}")
+}
+
 impl Cloth {
     /// Fibers of radius 10 µm in a sheet of 1 mm.
     pub fn new(length_density: f64, orientation: &str) -> Cloth {
         Cloth {
             radius_um: 10.0,
             ior: 1.5,
+            absorption: "0".into(),
+            more_kinds: Vec::new(),
+            length_over_radius: f64::INFINITY,
+            sides: "[\"front\"]".into(),
             thickness_um: 1000.0,
             fibers: vec![(length_density, orientation.into())],
             directions: 1024,
@@ -69,19 +96,31 @@ impl Cloth {
 
     /// The file's text.
     pub fn toml(&self) -> String {
-        let Cloth { radius_um, ior, thickness_um, directions, incident, exit, .. } = self;
-        let mut text = format!(
-            "[fiber.f]\nradius_um = {radius_um}\nior = {ior}\n[model]\ndirections = {directions}\n\
-             [measure]\nincident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n"
+        let Cloth { radius_um, ior, absorption, thickness_um, directions, incident, exit, sides, .. } = self;
+        let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
+            format!("[fiber.{name}]\nradius_um = {radius}\nior = {ior}\nabsorption_per_mm = {absorption}\n")
+        };
+        let mut text = fiber("f", radius_um, ior, absorption);
+        for (i, kind) in self.more_kinds.iter().enumerate() {
+            text += &fiber(&format!("g{i}"), &kind.radius_um, &kind.ior, &kind.absorption);
+        }
+        text += &format!(
+            "[model]\ndirections = {directions}\nlength_over_radius = {}\n[measure]\nsides = {sides}\n\
+             incident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
+            self.length_over_radius
         );
-        for (density, rest) in &self.fibers {
-            text += &format!("[[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = {density}\n{rest}\n");
+        let mut part = |name: &str, density: f64, rest: &str| {
+            text += &format!("[[sheet.fibers]]\nfiber = \"{name}\"\nlength_density_per_mm2 = {density}\n{rest}\n");
+        };
+        self.fibers.iter().for_each(|(density, rest)| part("f", *density, rest));
+        for (i, kind) in self.more_kinds.iter().enumerate() {
+            part(&format!("g{i}"), kind.length_density, &kind.orientation);
         }
         text
     }
 
     pub fn scene(&self) -> Scene {
-        let source = Source { file: "test.toml".into(), stem: "test".into(), text: self.toml() };
+        let source = Source { file: "test.toml".into(), stem: "test".into(), text: self.toml(), folder: None };
         Scene::parse(&source).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -100,9 +139,29 @@ pub fn assert_ran(tally: &Tally, engine: &str) {
     assert_eq!(tally.origin.engine, engine, "the wrong engine ran");
 }
 
+/// Run with an engine, each from random numbers of its own, and see that it was this engine.
+pub fn run(name: &str, engine: &dyn Engine, cloth: &Cloth, plan: &WalkPlan) -> Tally {
+    let seed = plan.seed + if name == "cpu" { 10_000 } else { 0 };
+    let tally = cloth.run(engine, &WalkPlan { seed, ..plan.clone() });
+    assert_ran(&tally, name);
+    tally
+}
+
 /// All counts of scattered light.
 pub fn scattered(tally: &Tally) -> Vec<u64> {
-    (0..tally.incident_cells()).flat_map(|cell| [tally.reflection(cell), tally.transmission(cell)].concat()).collect()
+    (0..tally.starts()).flat_map(|cell| [tally.reflection(cell), tally.transmission(cell)].concat()).collect()
+}
+
+/// Mean light of one walk and its standard error: reflected by channel, then transmitted by channel.
+pub fn mean_light(tally: &Tally, start: usize) -> Vec<(f64, f64)> {
+    let cells = tally.layout.exit_cells;
+    let (n, unit) = (tally.walks_per_incident as f64, tally.unit() as f64);
+    let of = |side: usize, channel| {
+        let moments = (side * cells..(side + 1) * cells).map(|bin| tally.light(start, bin, channel));
+        let (sum, square) = moments.fold((0, 0), |(sum, square), light| (sum + light.sum, square + light.square));
+        stats::mean_error(sum as f64 / unit, square as f64 / (unit * unit), n)
+    };
+    (0..2).flat_map(|side| (0..tally.channels()).map(move |channel| of(side, channel))).collect()
 }
 
 /// A generator that has nothing to do with the program's own: SplitMix64.

@@ -12,6 +12,22 @@ pub fn binomial_z(count: u64, walks: u64, probability: f64) -> f64 {
     (count as f64 - n * probability) / (n * probability * (1.0 - probability)).sqrt()
 }
 
+/// Mean of n numbers and its standard error, from their sum and the sum of their squares.
+pub fn mean_error(sum: f64, square: f64, n: f64) -> (f64, f64) {
+    let mean = sum / n;
+    (mean, ((square / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
+}
+
+/// z of two independent means with their standard errors.
+pub fn means_z(a: (f64, f64), b: (f64, f64)) -> f64 {
+    if a == b { 0.0 } else { (a.0 - b.0) / a.1.hypot(b.1) }
+}
+
+/// The largest |z| of several.
+pub fn largest(z: &[f64]) -> f64 {
+    z.iter().fold(0.0, |most, z| most.max(z.abs()))
+}
+
 /// Two-sample χ² of the counts of two partitions, and its degrees of freedom.
 ///
 /// Cells with fewer than 25 counts in both together are pooled; the fixed totals take one degree of freedom.
@@ -37,9 +53,8 @@ pub fn chi2_z(chi2: f64, k: f64) -> f64 {
 pub fn two_tally_z(a: &fiberwalk::goniometer::Tally, b: &fiberwalk::goniometer::Tally) -> f64 {
     assert_ne!(a.origin.seed, b.origin.seed, "tallies of the same seed are not independent");
     let (mut chi2, mut freedom) = (0.0, 0.0);
-    for cell in 0..a.incident_cells() {
-        let (part, k) =
-            two_sample_chi2(a.of_incident(cell), a.walks_per_incident, b.of_incident(cell), b.walks_per_incident);
+    for cell in 0..a.starts() {
+        let (part, k) = two_sample_chi2(a.of_start(cell), a.walks_per_incident, b.of_start(cell), b.walks_per_incident);
         chi2 += part;
         freedom += k;
     }

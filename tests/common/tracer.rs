@@ -33,15 +33,20 @@ impl Trace {
         (self.point - self.axis * self.point.dot(self.axis)).normalize()
     }
 
-    /// Unpolarised reflectance of the interface ahead, from the angles on both sides.
+    /// Unpolarised reflectance of the interface ahead.
     pub fn reflectance(&self) -> f64 {
-        let cos_i = self.direction.dot(self.normal()).abs();
+        self.fresnel(self.normal())
+    }
+
+    /// Unpolarised reflectance of a plane with this normal, from the angles on both sides.
+    fn fresnel(&self, normal: DVec3) -> f64 {
+        let cos_i = self.direction.dot(normal).abs();
         let ratio = if self.inside { self.ior } else { 1.0 / self.ior };
         let sin_t = ratio * (1.0 - cos_i * cos_i).max(0.0).sqrt();
         if sin_t >= 1.0 {
             return 1.0;
         }
-        let (i, t) = (cos_i.acos(), sin_t.asin());
+        let (i, t) = (cos_i.min(1.0).acos(), sin_t.asin());
         if i + t < 1e-6 {
             return ((self.ior - 1.0) / (self.ior + 1.0)).powi(2);
         }
@@ -58,14 +63,18 @@ impl Trace {
 
     /// Refract through the interface.
     pub fn refract(&mut self) {
-        // Point the normal against the ray.
-        let normal = if self.inside { -self.normal() } else { self.normal() };
+        self.bend(self.normal());
+        self.inside = !self.inside;
+        self.cross_if_inside();
+    }
+
+    /// Snell's law at a plane with this normal, of either sign.
+    fn bend(&mut self, normal: DVec3) {
+        let normal = if self.direction.dot(normal) > 0.0 { -normal } else { normal };
         let ratio = if self.inside { self.ior } else { 1.0 / self.ior };
         let cos_i = -self.direction.dot(normal);
         let cos_t = (1.0 - ratio * ratio * (1.0 - cos_i * cos_i)).max(0.0).sqrt();
         self.direction = (ratio * self.direction + (ratio * cos_i - cos_t) * normal).normalize();
-        self.inside = !self.inside;
-        self.cross_if_inside();
     }
 
     /// Go to the next intersection with the surface, if the ray runs inside.
@@ -108,5 +117,43 @@ impl Trace {
         }
         self.refract();
         self
+    }
+
+    /// Leave after a random number of chords a cylinder that ends at `half_length` from the hit on both sides: one
+    /// decision at each interface, side or base. Also tells whether the light left through a base.
+    pub fn leave_short_at_random(mut self, half_length: f64, random: &mut SplitMix) -> (Trace, bool) {
+        let mut from = self.point;
+        let middle = from.dot(self.axis);
+        if random.uniform() < self.reflectance() {
+            self.reflect();
+            return (self, false);
+        }
+        self.refract();
+        loop {
+            let beyond = (self.point.dot(self.axis) - middle).abs() - half_length;
+            if beyond > 0.0 {
+                // Go back to the base.
+                let back = beyond / self.direction.dot(self.axis).abs();
+                self.point -= self.direction * back;
+                self.path -= back;
+                if random.uniform() >= self.fresnel(self.axis) {
+                    self.bend(self.axis);
+                    return (self, true);
+                }
+                from = self.point;
+                self.direction -= 2.0 * self.direction.dot(self.axis) * self.axis;
+                let flat = |v: DVec3| v - self.axis * v.dot(self.axis);
+                let (o, d) = (flat(from), flat(self.direction));
+                let (half, square) = (o.dot(d), d.length_squared());
+                let t = ((half * half + square * (1.0 - o.length_squared()).max(0.0)).sqrt() - half) / square;
+                self.point = from + self.direction * t;
+                self.path += t;
+            } else if random.uniform() < self.reflectance() {
+                self.reflect();
+            } else {
+                self.refract();
+                return (self, false);
+            }
+        }
     }
 }

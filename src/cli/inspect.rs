@@ -39,6 +39,13 @@ fn cloth(scene: &Scene) -> String {
         let _ =
             writeln!(text, "fibers           {name}: radius {radius} µm, index {ior}, {density} mm/mm³, {orientation}");
     }
+    let names = &scene.channels.names;
+    let channels = match &names[..] {
+        [first, .., last] if names.len() > 3 => format!("{} from {first} to {last}", names.len()),
+        _ => names.join(", "),
+    };
+    let absorbing = if scene.channels.lossless() { ", nothing is absorbed" } else { "" };
+    let _ = writeln!(text, "channels         {channels}{absorbing}");
     let _ = writeln!(text, "thickness        {} mm", scene.sheet.thickness);
     let _ = writeln!(text, "volume fraction  {:.4}", scene.sheet.volume_fraction(&scene.fibers));
     let mass = scene.sheet.areal_mass(&scene.fibers);

@@ -6,6 +6,7 @@ use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
 use super::pack::{absorption_table, direction_table, incident_table};
 use super::params::{counts, params, start_words};
 use super::session::{Packed, Session, Shape};
+use super::settings::{Report, Settings};
 use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Incidence, Origin, Tally};
@@ -22,74 +23,13 @@ const DRAIN: Duration = Duration::from_millis(500);
 /// So a segment has at most 2²⁸ walks, and a bin cannot pass once around 2³² unseen.
 const MAX_BLOCKS: u64 = 1 << 24;
 
-/// How the work is cut. The tally does not depend on it; what is not set is chosen for the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Settings {
-    /// Invocations of a workgroup, 1 to 256; 64 if not set.
-    pub workgroup: Option<u32>,
-    /// Lanes, a multiple of the workgroup.
-    pub lanes: Option<u32>,
-    /// Passes of a dispatch; kept below lavapipe's 65,535 loop iterations.
-    pub budget: Option<u32>,
-    /// Passes between two flushes.
-    pub flush_every: Option<u32>,
-    /// Keep the direction table in a texture, whatever its size.
-    pub table_in_texture: Option<bool>,
-    /// Most walks of each start in one segment.
-    pub walks_per_segment: Option<u64>,
-    /// Most starts in one batch.
-    pub starts_per_batch: Option<usize>,
-    /// Number at which every bin of the device starts.
-    pub bins_preset: u32,
-    /// Number at which the low words of the device's sums of events and collisions start.
-    pub sums_preset: u32,
-    /// Blocks of walks that the device is not told of: the account of such a run must not close.
-    pub withheld_blocks: u32,
-}
-
-impl Settings {
-    /// Refuse what no device can do.
-    fn check(&self) -> Result<()> {
-        let workgroup = self.workgroup.unwrap_or(64);
-        let lanes = self.lanes.unwrap_or(workgroup);
-        let fine = (1..=256).contains(&workgroup)
-            && lanes > 0
-            && lanes.is_multiple_of(workgroup)
-            && self.budget != Some(0)
-            && self.flush_every != Some(0);
-        if fine {
-            return Ok(());
-        }
-        Err(Error::Device {
-            needed:
-                "the gpu engine needs a workgroup of 1 to 256, lanes that are a multiple of it, a budget and a flush \
-                     interval above 0"
-                    .into(),
-            found: format!("it was given {self:?}"),
-        })
-    }
-}
-
-/// How a run went on the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Report {
-    /// Dispatches.
-    pub dispatches: u64,
-    /// Walks that went on in a later dispatch than they started in, once for each such dispatch.
-    pub resumed: u64,
-    /// Lanes of the last batch.
-    pub lanes: u32,
-    /// Passes of a dispatch.
-    pub budget: u32,
-    /// Passes between two flushes.
-    pub flush_every: u32,
-}
-
 /// The WGSL engine on one device.
 pub struct Gpu {
     pub(super) device: OpenDevice,
     skipped: Vec<String>,
     pipelines: Mutex<HashMap<Shape, wgpu::ComputePipeline>>,
+    /// What warm-ups have chosen.
+    tuned: Mutex<HashMap<Shape, Choice>>,
 }
 
 impl Gpu {
@@ -102,7 +42,9 @@ impl Gpu {
         let mut skipped: Vec<String> = Vec::new();
         for adapter in adapter::find(name)? {
             match OpenDevice::open(&adapter) {
-                Ok(device) => return Ok(Gpu { device, skipped, pipelines: Mutex::default() }),
+                Ok(device) => {
+                    return Ok(Gpu { device, skipped, pipelines: Mutex::default(), tuned: Mutex::default() });
+                }
                 Err(error) => skipped.push(error.to_string()),
             }
         }
@@ -155,6 +97,12 @@ impl Gpu {
         Ok((tally, records))
     }
 
+    /// What an earlier warm-up has chosen for a kernel.
+    fn tuned(&self, shape: Shape) -> Option<Choice> {
+        let known = self.tuned.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        known.get(&untuned(shape)).copied()
+    }
+
     /// The compiled kernel of a shape; lanes do not matter to it.
     fn pipeline(&self, shape: Shape) -> Result<wgpu::ComputePipeline> {
         let key = Shape { lanes: 0, ..shape };
@@ -166,6 +114,11 @@ impl Gpu {
         known.insert(key, pipeline.clone());
         Ok(pipeline)
     }
+}
+
+/// A shape without what a warm-up chooses, and without what it leaves out.
+fn untuned(shape: Shape) -> Shape {
+    Shape { lanes: 0, budget: 0, trace: false, ..shape }
 }
 
 impl Engine for Gpu {
@@ -282,7 +235,10 @@ impl<'a> Run<'a> {
         let tuning = Tuning::start(self.gpu.kind());
         let fixed = self.settings.lanes.is_some() || self.settings.budget.is_some();
         if !fixed && tuning.pays(walks, self.tables.depth()) {
-            let Choice { lanes, budget } = self.warm_up(&tuning, packed)?;
+            let Choice { lanes, budget } = match self.gpu.tuned(self.shape) {
+                Some(choice) => choice,
+                None => self.warm_up(&tuning, packed)?,
+            };
             self.shape = Shape { lanes, budget, ..self.shape };
         }
         if self.settings.lanes.is_none() {
@@ -313,7 +269,9 @@ impl<'a> Run<'a> {
             }
             if seconds >= TELLING || 4 * shape.lanes > tuning.most_lanes {
                 let longest = longest_budget(shape.flush_every, shape.channels);
-                return Ok(tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget)), longest));
+                let choice = tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget)), longest);
+                self.gpu.tuned.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).insert(untuned(shape), choice);
+                return Ok(choice);
             }
             shape.lanes *= 4;
         }

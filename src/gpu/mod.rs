@@ -16,9 +16,11 @@ mod pack;
 mod params;
 mod probe;
 mod session;
+mod settings;
 pub mod shader;
 mod tuning;
 
 pub use adapter::{AdapterSummary, Kind, list};
-pub use engine::{Gpu, Report, Settings};
+pub use engine::Gpu;
 pub use probe::{Probe, ProbeInput, ProbeOutput};
+pub use settings::{Report, Settings};

@@ -187,6 +187,31 @@ fn a_new_cloth_file_can_be_inspected_and_measured() {
 }
 
 #[test]
+fn a_run_stops_at_its_tolerance_and_when_nothing_scatters() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (output, summary) = measure(folder.path(), &["nonwoven", "--tolerance", "20%"]);
+    assert!(
+        text(&output.stderr).contains("stop: at a noise of 20 % of the scattered light"),
+        "{}",
+        text(&output.stderr)
+    );
+    let decision = summary["walks_per_incident"].as_u64().expect("a number") / 2048;
+    assert!(decision.is_power_of_two() || (decision / 3).is_power_of_two(), "{decision}");
+    let noise = |output: &Output| -> f64 {
+        let out = text(&output.stdout);
+        let (_, after) = out.split_once("scattered light ").expect("the noise is said");
+        after.split_once(" %").expect("in percent").0.parse().expect("a number")
+    };
+    assert!(noise(&output) <= 20.0 && noise(&output) > 20.0 / 1.5f64.sqrt() * 0.95, "{}", noise(&output));
+    // Light along exactly aligned fibers meets none.
+    let cloth = "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\
+                 length_density_per_mm2 = 100\norientation = \"aligned\"\naxis = [0, 0, 1]\n";
+    std::fs::write(folder.path().join("clear.toml"), cloth).expect("it can be written");
+    let (output, _) = measure(folder.path(), &["clear.toml", "--incident", "[[0, 0]]"]);
+    assert!(text(&output.stdout).contains("unknown: nothing scattered"), "{}", text(&output.stdout));
+}
+
+#[test]
 fn a_spread_bundle_says_how_far_the_grid_smears_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let cloth = "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\

@@ -620,6 +620,7 @@ fn a_table_too_large_is_refused_and_a_large_one_works() {
 #[test]
 fn wrong_arguments_are_refused_on_one_line() {
     let walks = "for '--walks <N>': must be a whole number from 1 to 281474976710656";
+    let share = "for '--tolerance <SHARE>': must be a share from 0.001% to 100%, such as 5% or 0.05";
     let seed = "for '--seed <S>': must be a whole number from 0 to 18446744073709551615";
     refuse_arguments(
         2,
@@ -632,6 +633,17 @@ fn wrong_arguments_are_refused_on_one_line() {
             (
                 &["--walks", "281474976710656"],
                 "--walks 281474976710656 is too many for 64 incident cells; allowed: 1 to 4398046511104",
+            ),
+            (&["--tolerance", "0"], &format!("invalid value '0' {share}")),
+            (&["--tolerance", "nan"], &format!("invalid value 'nan' {share}")),
+            (&["--tolerance", "101%"], &format!("invalid value '101%' {share}")),
+            (
+                &["--time", "-1s"],
+                "invalid value '-1s' for '--time <SECONDS>': must be a time from 0.001s to 10000000s, such as 60s",
+            ),
+            (
+                &["--time", "1", "--tolerance", "5%"],
+                "the argument '--time <SECONDS>' cannot be used with '--tolerance <SHARE>'",
             ),
             (&["--walks"], "a value is required for '--walks <N>' but none was supplied"),
             (&["--seed", "-1"], &format!("invalid value '-1' {seed}")),

@@ -25,10 +25,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = walks, allow_negative_numbers = true, group = "stop")]
     walks: Option<u64>,
     /// Stop when the noise of the scattered light is at most this share, such as 5% [default without another rule: 5%]
-    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, group = "stop")]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true, group = "stop")]
     tolerance: Option<f64>,
     /// Stop when the walks have taken so long, such as 60s
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true, group = "stop")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, group = "stop")]
     time: Option<Duration>,
     /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
@@ -137,10 +137,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
     let stop = arguments.stop();
     if let Stop::Tolerance(tolerance) = stop {
-        note(&format!(
-            "stop: at a noise of {:.3} % of the scattered light; the model's error is not in it",
-            100.0 * tolerance
-        ));
+        let percent = (1e8 * tolerance).round() / 1e6;
+        note(&format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
     }
     let mut watch = Watch::new();
     let mut show = |progress| watch.show(progress);

@@ -2,7 +2,9 @@
 
 use super::show::{grouped, totals_table};
 use super::{one_line, print};
-use fiberwalk::measure::{EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare, run as measure};
+use fiberwalk::measure::{
+    ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare, run as measure,
+};
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Source};
 use fiberwalk::{Error, Result};
@@ -119,27 +121,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Choice::Cpu => EngineChoice::Cpu,
     };
     let engine = choose(choice, arguments.adapter.as_deref())?;
-    note(&format!("{}: {}", source.file, scene.name));
-    note(&format!(
-        "medium: optical depth at most {:.1}, fibers fill {:.3}{}",
-        prepared.tables.depth(),
-        scene.sheet.volume_fraction(&scene.fibers),
-        scene.sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default()
-    ));
-    if prepared.specific_length.spread_error > 0.0 {
-        note(&format!(
-            "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
-            scene.model.directions,
-            100.0 * prepared.specific_length.spread_error
-        ));
-    }
-    note(&format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
-
     let stop = arguments.stop();
-    if let Stop::Tolerance(tolerance) = stop {
-        let percent = (1e8 * tolerance).round() / 1e6;
-        note(&format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
-    }
+    describe(&source, &scene, &prepared, &engine, stop).iter().for_each(|line| note(line));
     let mut watch = Watch::new();
     let mut show = |progress| watch.show(progress);
     let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
@@ -150,6 +133,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
     print(&format!("{}{}\n{files}", totals_table(&scene, &measurement), speed(&measurement)))
+}
+
+/// What is going to be measured, how, and until when.
+fn describe(source: &Source, scene: &Scene, prepared: &Prepared, engine: &ChosenEngine, stop: Stop) -> Vec<String> {
+    let mass = scene.sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
+    let (depth, fraction) = (prepared.tables.depth(), scene.sheet.volume_fraction(&scene.fibers));
+    let mut lines = vec![
+        format!("{}: {}", source.file, scene.name),
+        format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"),
+    ];
+    if prepared.specific_length.spread_error > 0.0 {
+        lines.push(format!(
+            "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
+            scene.model.directions,
+            100.0 * prepared.specific_length.spread_error
+        ));
+    }
+    lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
+    if let Stop::Tolerance(tolerance) = stop {
+        let percent = (1e8 * tolerance).round() / 1e6;
+        lines.push(format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
+    }
+    lines
 }
 
 impl Arguments {

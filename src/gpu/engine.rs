@@ -1,11 +1,12 @@
 //! All walks of a plan on a device: batches of starts, segments of walks, dispatches.
 
 use super::adapter::{self, Kind};
+use super::buffers::Packed;
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
 use super::pack::{absorption_table, direction_table, incident_table};
 use super::params::{counts, params, start_words};
-use super::session::{Packed, Session, Shape};
+use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
 use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
@@ -221,11 +222,11 @@ impl<'a> Run<'a> {
         fit.min(UNIFORM_ENTRIES as usize).min(wanted).max(1)
     }
 
-    /// Walks of each cell in one segment.
-    fn segment(&self, cells: usize) -> u64 {
-        let cells = cells as u64;
+    /// Walks of each start in one segment, of so many starts.
+    fn segment(&self, starts: usize) -> u64 {
+        let starts = starts as u64;
         let stride = self.goniometer.starts() as u64;
-        let most = (MAX_BLOCKS / cells * u64::from(BLOCK)).min((1 << 32) / stride - 1);
+        let most = (MAX_BLOCKS / starts * u64::from(BLOCK)).min((1 << 32) / stride - 1);
         most.min(self.settings.walks_per_segment.unwrap_or(most)).min(self.plan.walks_per_incident).max(1)
     }
 
@@ -252,19 +253,19 @@ impl<'a> Run<'a> {
 
     /// Time dispatches of more and more lanes.
     fn warm_up(&self, tuning: &Tuning, packed: &Packed) -> Result<Choice> {
-        let cells = packed.incident.len();
-        let walks = self.plan.first..self.plan.first + self.segment(cells);
+        let starts = packed.incident.len();
+        let walks = self.plan.first..self.plan.first + self.segment(starts);
         let mut shape = Shape { lanes: tuning.warm_up_lanes, trace: false, ..self.shape };
         loop {
             let session = self.session(shape, packed)?;
-            session.restart(&params(self.tables, self.goniometer, self.plan, 0..cells, walks.clone()), 0);
+            session.restart(&params(self.tables, self.goniometer, self.plan, 0..starts, walks.clone()), 0);
             // The first dispatch compiles, the second is timed.
             session.dispatch()?;
             let started = Instant::now();
             let counters = session.dispatch()?;
             let seconds = started.elapsed().as_secs_f64();
             // Lanes that ran out of walks would make the device look faster than it is.
-            if u64::from(counters.launched) >= (walks.end - walks.start) * cells as u64 {
+            if u64::from(counters.launched) >= (walks.end - walks.start) * starts as u64 {
                 return Ok(Choice { lanes: shape.lanes, budget: shape.budget });
             }
             if seconds >= TELLING || 4 * shape.lanes > tuning.most_lanes {
@@ -278,28 +279,28 @@ impl<'a> Run<'a> {
     }
 
     fn session(&self, shape: Shape, packed: &Packed) -> Result<Session<'a>> {
-        let cells = packed.incident.len();
-        let bins = cells * start_words(self.tables, self.goniometer);
-        let traces = if shape.trace { self.segment(cells) as usize * self.goniometer.starts() } else { 0 };
+        let starts = packed.incident.len();
+        let bins = starts * start_words(self.tables, self.goniometer);
+        let traces = if shape.trace { self.segment(starts) as usize * self.goniometer.starts() } else { 0 };
         let pipeline = self.gpu.pipeline(shape)?;
         Session::new(&self.gpu.device, pipeline, shape, packed, bins, traces, self.settings.bins_preset)
     }
 
-    fn run_batch(&mut self, cells: Range<usize>, packed: &Packed, progress: &mut dyn FnMut(&Tally)) -> Result<()> {
+    fn run_batch(&mut self, starts: Range<usize>, packed: &Packed, progress: &mut dyn FnMut(&Tally)) -> Result<()> {
         let mut session = self.session(self.shape, packed)?;
-        let segment = self.segment(cells.len());
+        let segment = self.segment(starts.len());
         let end = self.plan.first + self.plan.walks_per_incident;
-        let mut start = self.plan.first;
-        while start < end {
-            let walks = segment.min(end - start);
-            let mut params = params(self.tables, self.goniometer, self.plan, cells.clone(), start..start + walks);
+        let mut walk = self.plan.first;
+        while walk < end {
+            let walks = segment.min(end - walk);
+            let mut params = params(self.tables, self.goniometer, self.plan, starts.clone(), walk..walk + walks);
             params.blocks = params.blocks.saturating_sub(self.settings.withheld_blocks);
             session.restart(&params, self.settings.sums_preset);
-            self.run_segment(&mut session, cells.start, walks * cells.len() as u64, progress)?;
+            self.run_segment(&mut session, starts.start, walks * starts.len() as u64, progress)?;
             if self.shape.trace {
-                self.keep_traces(&session, cells.start, start, walks)?;
+                self.keep_traces(&session, starts.start, walk, walks)?;
             }
-            start += walks;
+            walk += walks;
         }
         Ok(())
     }
@@ -339,9 +340,9 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn keep_traces(&mut self, session: &Session, cell: usize, start: u64, walks: u64) -> Result<()> {
+    fn keep_traces(&mut self, session: &Session, start: usize, first: u64, walks: u64) -> Result<()> {
         let stride = self.goniometer.starts();
-        let offset = (start - self.plan.first) as usize * stride + cell;
+        let offset = (first - self.plan.first) as usize * stride + start;
         for (slot, trace) in session.traces(walks as usize * stride)?.iter().enumerate() {
             if trace.counted > 1 {
                 let message = format!("walk {} was counted {} times", offset + slot, trace.counted);

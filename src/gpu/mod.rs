@@ -9,6 +9,7 @@
 //! fiber after 1024 chords is let out there.
 
 mod adapter;
+mod buffers;
 mod device;
 mod engine;
 pub mod layout;

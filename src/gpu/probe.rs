@@ -1,19 +1,17 @@
-//! Calls of single functions of the kernel, for tests and self-tests.
+//! Calls of single functions of the kernel, for tests.
 
+use super::buffers::{Buffers, Packed, Sizes, bind};
 use super::device::OpenDevice;
 use super::engine::Gpu;
 pub use super::layout::ProbeInput;
-use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES};
-use super::pack::{direction_table, incident_table, texture};
+use super::pack::{absorption_table, direction_table, incident_table};
 use super::params;
-use super::session::bind;
 use super::shader::Shader;
 use crate::error::Result;
 use crate::goniometer::{Goniometer, Incidence};
-use crate::scene::MAX_CHANNELS;
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
-use wgpu::{BindingResource, BufferUsages};
+use wgpu::BufferUsages;
 
 /// The words that one call gives.
 pub type ProbeOutput = [u32; 4];
@@ -74,38 +72,17 @@ impl<'a> Probe<'a> {
         Ok(words.chunks_exact(4).take(inputs.len()).map(|word| [word[0], word[1], word[2], word[3]]).collect())
     }
 
+    /// The tables of the medium and the instrument; a probe walks in no lane and counts nothing.
     fn bind_medium(&self, device: &OpenDevice) -> Result<wgpu::BindGroup> {
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let storage = BufferUsages::STORAGE;
-        let params = device.buffer("params", size_of::<Params>() as u64, uniform)?;
-        let table = device.buffer("table_uniform", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
-        let incident = device.buffer("incident", u64::from(UNIFORM_ENTRIES) * 16, uniform)?;
-        let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
-        let unused = [size_of::<Lane>(), 4, size_of::<Counters>(), size_of::<Trace>()];
-        let unused = unused.map(|bytes| device.buffer("unused", bytes as u64, storage));
-        let [lanes, bins, counters, traces] = unused;
-        let (lanes, bins, counters, traces) = (lanes?, bins?, counters?, traces?);
         let directions = direction_table(self.tables, true);
-        let view = texture(&device.device, &device.queue, &directions);
-        let plan = WalkPlan::new(0, 1);
-        let values = params::params(self.tables, self.goniometer, &plan, 0..1, 0..1);
-        device.queue.write_buffer(&params, 0, bytemuck::bytes_of(&values));
-        if !self.table_in_texture {
-            device.queue.write_buffer(&table, 0, bytemuck::cast_slice(&directions));
-        }
-        let starts = incident_table(self.goniometer);
-        device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(&starts));
-        let resources = [
-            params.as_entire_binding(),
-            table.as_entire_binding(),
-            BindingResource::TextureView(&view),
-            incident.as_entire_binding(),
-            lanes.as_entire_binding(),
-            bins.as_entire_binding(),
-            counters.as_entire_binding(),
-            traces.as_entire_binding(),
-            absorption.as_entire_binding(),
-        ];
-        Ok(bind(device, 0, resources))
+        let incident = incident_table(self.goniometer);
+        let absorption = absorption_table(self.tables);
+        let packed = Packed { directions: &directions, incident: &incident, absorption: &absorption };
+        // Each binding must hold one item of its kind.
+        let sizes = Sizes { lanes: 1, bins: 1, traces: 1 };
+        let buffers = Buffers::new(device, &packed, self.table_in_texture, sizes)?;
+        let values = params::params(self.tables, self.goniometer, &WalkPlan::new(0, 1), 0..1, 0..1);
+        device.queue.write_buffer(&buffers.params, 0, bytemuck::bytes_of(&values));
+        Ok(buffers.group)
     }
 }

@@ -1,14 +1,13 @@
-//! The buffers and the pipeline of one batch of starts, and its dispatches.
+//! The pipeline and the buffers of one batch of starts, and its dispatches.
 
+use super::buffers::{Buffers, Packed, Sizes};
 use super::device::OpenDevice;
-use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
-use super::pack::texture;
+use super::layout::{Counters, Params, Trace};
 use super::shader::Shader;
 use crate::error::Result;
 use crate::goniometer::Tally;
-use crate::scene::MAX_CHANNELS;
 use std::mem::size_of;
-use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
+use wgpu::{Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 
 /// What the kernel is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,24 +27,12 @@ pub struct Shape {
     pub roulette: bool,
 }
 
-/// The tables of a run, packed.
-pub struct Packed<'a> {
-    pub directions: &'a [[u32; 4]],
-    pub incident: &'a [[f32; 4]],
-    pub absorption: &'a [[f32; 4]],
-}
-
 /// A pipeline with its buffers.
 pub struct Session<'a> {
     device: &'a OpenDevice,
     pub shape: Shape,
     pipeline: ComputePipeline,
-    group: BindGroup,
-    params: Buffer,
-    lanes: Buffer,
-    bins: Buffer,
-    counters: Buffer,
-    traces: Buffer,
+    buffers: Buffers,
     staging: Buffer,
     /// Bins run on modulo 2³²; what was last seen of them.
     seen: Vec<u32>,
@@ -69,72 +56,27 @@ impl<'a> Session<'a> {
         traces: usize,
         preset: u32,
     ) -> Result<Session<'a>> {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let entries = u64::from(UNIFORM_ENTRIES) * 16;
-        let trace_bytes = (traces * size_of::<Trace>()) as u64;
+        let buffers = Buffers::new(device, packed, shape.table_in_texture, Sizes { lanes: shape.lanes, bins, traces })?;
         let staging_bytes = (bins * 4).max(size_of::<Counters>()).max(traces * size_of::<Trace>()) as u64;
-        let buffers = [
-            device.buffer("params", size_of::<Params>() as u64, uniform)?,
-            device.buffer("table_uniform", entries, uniform)?,
-            device.buffer("incident", entries, uniform)?,
-            device.buffer("lanes", u64::from(shape.lanes) * size_of::<Lane>() as u64, storage)?,
-            device.buffer("bins", bins as u64 * 4, storage)?,
-            device.buffer("counters", size_of::<Counters>() as u64, storage)?,
-            device.buffer("traces", trace_bytes, storage)?,
-            device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?,
-            device.buffer("staging", staging_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,
-        ];
-        let [params, table, incident, lanes, bin_buffer, counters, trace_buffer, absorption, staging] = buffers;
-        let in_texture = if shape.table_in_texture { packed.directions } else { &[] };
-        if !shape.table_in_texture {
-            device.queue.write_buffer(&table, 0, bytemuck::cast_slice(packed.directions));
-        }
-        device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
-        device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
-        let view = texture(&device.device, &device.queue, in_texture);
-        let resources = [
-            params.as_entire_binding(),
-            table.as_entire_binding(),
-            BindingResource::TextureView(&view),
-            incident.as_entire_binding(),
-            lanes.as_entire_binding(),
-            bin_buffer.as_entire_binding(),
-            counters.as_entire_binding(),
-            trace_buffer.as_entire_binding(),
-            absorption.as_entire_binding(),
-        ];
-        let group = bind(device, 0, resources);
+        let staging = device.buffer("staging", staging_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut seen = Vec::new();
         if preset > 0 {
             seen = vec![preset; bins];
-            device.queue.write_buffer(&bin_buffer, 0, bytemuck::cast_slice(&seen));
+            device.queue.write_buffer(&buffers.bins, 0, bytemuck::cast_slice(&seen));
         }
         seen.resize(bins, 0);
-        Ok(Session {
-            device,
-            shape,
-            pipeline,
-            group,
-            params,
-            lanes,
-            bins: bin_buffer,
-            counters,
-            traces: trace_buffer,
-            staging,
-            seen,
-        })
+        Ok(Session { device, shape, pipeline, buffers, staging, seen })
     }
 
     /// Set new parameters, empty the lanes and the counters; sums of two words start at `preset`.
     pub fn restart(&self, params: &Params, preset: u32) {
-        self.device.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
+        self.device.queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(params));
         let [tentative_low, collisions_low, base_exits_low] = [preset; 3];
         let counters = Counters { tentative_low, collisions_low, base_exits_low, ..Counters::default() };
-        self.device.queue.write_buffer(&self.counters, 0, bytemuck::bytes_of(&counters));
+        self.device.queue.write_buffer(&self.buffers.counters, 0, bytemuck::bytes_of(&counters));
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.lanes, 0, None);
-        encoder.clear_buffer(&self.traces, 0, None);
+        encoder.clear_buffer(&self.buffers.lanes, 0, None);
+        encoder.clear_buffer(&self.buffers.traces, 0, None);
         self.device.queue.submit([encoder.finish()]);
     }
 
@@ -145,10 +87,10 @@ impl<'a> Session<'a> {
             let descriptor = wgpu::ComputePassDescriptor { label: Some("walk"), timestamp_writes: None };
             let mut pass = encoder.begin_compute_pass(&descriptor);
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &self.group, &[]);
+            pass.set_bind_group(0, &self.buffers.group, &[]);
             pass.dispatch_workgroups(self.shape.lanes / self.shape.workgroup, 1, 1);
         }
-        let words = self.read(encoder, &self.counters, COUNTER_WORDS)?;
+        let words = self.read(encoder, &self.buffers.counters, COUNTER_WORDS)?;
         Ok(bytemuck::cast_slice(&words)[0])
     }
 
@@ -156,7 +98,7 @@ impl<'a> Session<'a> {
     ///
     /// A bin gets fewer than 2³² walks between two drains, and a moment fewer than 2⁶⁴ units.
     pub fn drain(&mut self, tally: &mut Tally, first: usize) -> Result<()> {
-        let now = self.read(self.encoder(), &self.bins, self.seen.len())?;
+        let now = self.read(self.encoder(), &self.buffers.bins, self.seen.len())?;
         let (stride, moments) = (tally.layout.stride(), (2 * tally.layout.exit_cells + 1) * tally.channels());
         let words = stride + if tally.weights.is_some() { 4 * moments } else { 0 };
         for (start, (now, seen)) in (first..).zip(now.chunks_exact(words).zip(self.seen.chunks_exact(words))) {
@@ -178,7 +120,7 @@ impl<'a> Session<'a> {
 
     /// How each walk went, by slot.
     pub fn traces(&self, count: usize) -> Result<Vec<Trace>> {
-        let words = self.read(self.encoder(), &self.traces, count * size_of::<Trace>() / 4)?;
+        let words = self.read(self.encoder(), &self.buffers.traces, count * size_of::<Trace>() / 4)?;
         Ok(bytemuck::cast_slice(&words).to_vec())
     }
 
@@ -190,14 +132,6 @@ impl<'a> Session<'a> {
         encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, (words * 4) as u64);
         self.device.submit_and_read(encoder, &self.staging, words)
     }
-}
-
-/// A bind group of resources in the order of their bindings.
-pub fn bind<const N: usize>(device: &OpenDevice, group: u32, resources: [BindingResource; N]) -> BindGroup {
-    let entries: Vec<wgpu::BindGroupEntry> =
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    let layout = group_layout(&device.device, group);
-    device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
 }
 
 fn overrides(shape: &Shape) -> [(&'static str, f64); 12] {

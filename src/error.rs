@@ -58,7 +58,7 @@ pub enum Error {
     #[error("the {engine} engine's account does not close: {message}")]
     Account {
         /// Which engine counted.
-        engine: &'static str,
+        engine: String,
         /// Which identity failed, with both sides.
         message: String,
     },

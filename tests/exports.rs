@@ -70,10 +70,14 @@ impl Measured {
         let common = ["measure", cloth, "--walks", &walks, "--engine", "cpu", "--seed", "7", "-o", "result"];
         let outcome = place.run(&[&common[..], more].concat());
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-        assert!(outcome.stdout.ends_with("\nresult/bsdf.exr\nresult/summary.json\n"), "{}", outcome.stdout);
+        assert!(
+            outcome.stdout.ends_with("\nresult/bsdf.exr\nresult/tally.exr\nresult/summary.json\n"),
+            "{}",
+            outcome.stdout
+        );
         let files = place.contents().into_iter().filter(|(path, bytes)| bytes.is_some() && !path.ends_with(cloth));
         let files: Vec<_> = files.map(|(path, _)| path).collect();
-        assert_eq!(files, ["bsdf.exr", "summary.json"].map(|file| place.path("result").join(file)));
+        assert_eq!(files, ["bsdf.exr", "summary.json", "tally.exr"].map(|file| place.path("result").join(file)));
         let summary = std::fs::read(place.path("result/summary.json")).expect("the summary is there");
         let summary = serde_json::from_slice(&summary).expect("the summary is JSON");
         Measured { place, summary, channels: vec!["Y".into()], unit: 1.0 }
@@ -429,6 +433,46 @@ fn check_coloured(measured: &Measured, text: &str) {
     // Channels must not be copies of one another, nor sides.
     let pixels = |part: usize, channel: usize| &parts[part].channels[&measured.channels[channel]].pixels;
     assert!(pixels(0, 0) != pixels(0, 1) && pixels(0, 1) != pixels(0, 2) && pixels(0, 0) != pixels(3, 0));
+}
+
+/// Hold the integers of `tally.exr`, read by the OpenEXR library, against the values of `bsdf.exr`.
+fn check_tally(measured: &Measured, sums: &[Part]) -> Result<(), String> {
+    let table = read(&measured.exr());
+    let sides = if table.len() > 3 { vec!["front", "back"] } else { vec!["front"] };
+    for part in sides.iter().flat_map(|side| ["reflection", "transmission"].map(|what| format!("{side}.{what}"))) {
+        let find = |parts: &'_ [Part]| parts.iter().position(|known| known.name == part).expect("the part is there");
+        let (values, sums) = (&table[find(&table)], &sums[find(sums)]);
+        for channel in &measured.channels {
+            let word = |half: &str| &sums.channels[&format!("sum.{half}.{channel}")];
+            let (low, high) = (word("lo"), word("hi"));
+            ensure(low.kind == "uint32" && high.kind == "uint32", || format!("{}, {}", low.kind, high.kind))?;
+            let rows = values.channels[channel].pixels.iter().zip(low.pixels.iter().zip(&high.pixels));
+            for (value, (low, high)) in rows.flat_map(|(v, (l, h))| v.iter().zip(l.iter().zip(h))) {
+                let sum = low + high * 2f64.powi(32);
+                let expected = sum / (measured.unit * WALKS as f64) * EXIT * EXIT / PI;
+                let off = (value - expected).abs();
+                ensure(off <= 2.0 * ROUNDING * expected, || format!("{part}: {value} and a sum of {sum}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn the_integers_of_the_tally_are_those_of_the_table() {
+    let (coloured, _) = Measured::coloured("{ rgb = [18.0, 7.0, 0] }", "", &["B", "G", "R"]);
+    for measured in [coloured, Measured::preset()] {
+        let mut parts = read(&measured.place.path("result/tally.exr"));
+        assert_eq!(parts[0].attribute["unit"], measured.unit);
+        assert_eq!(
+            parts[0].attribute["walks"],
+            json!([{ "seed": 7, "engine": "cpu", "adapter": "f64", "walks": [[0, WALKS]] }])
+        );
+        check_tally(&measured, &parts).expect("the integers are those of the table");
+        let name = format!("sum.lo.{}", measured.channels[0]);
+        parts[1].channels.get_mut(&name).expect("the channel is there").pixels[3][5] += 1.0;
+        check_tally(&measured, &parts).expect_err("one unit more shows");
+    }
 }
 
 #[test]

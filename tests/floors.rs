@@ -28,6 +28,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("rayon", &["reference"]),
+    ("statrs", &["bsdf"]),
 ];
 
 fn floor(room: &str) -> usize {

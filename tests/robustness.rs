@@ -693,7 +693,7 @@ fn without_a_driver_the_cpu_engine_serves_and_says_why() {
     assert_eq!((code, stderr.lines().count()), (Some(0), 3), "{stderr}");
     let engine = stderr.lines().last().expect("three lines have a last");
     assert!(engine.starts_with("engine: cpu on ") && engine.ends_with(&format!("; {NO_ADAPTER}")), "{engine}");
-    assert!(stdout.ends_with("\nnonwoven/bsdf.exr\nnonwoven/summary.json\n"), "{stdout}");
+    assert!(stdout.ends_with("\nnonwoven/bsdf.exr\nnonwoven/tally.exr\nnonwoven/summary.json\n"), "{stdout}");
     for wish in [["--engine", "gpu"], ["--adapter", "llvm"]] {
         let place = Place::new();
         let mut command = place.command(&[&["measure", "nonwoven"], &wish[..]].concat());
@@ -748,6 +748,8 @@ fn a_result_is_replaced_only_by_force_and_only_by_a_whole_one() {
     let unlike = |name: &str| first[&place.path(name)] != second[&place.path(name)];
     assert!(unlike("felt/bsdf.exr") && unlike("felt/summary.json"), "another seed gives other files");
     std::fs::remove_file(place.path("felt/bsdf.exr")).expect("the table can be removed");
+    refuse(&place, &run("2", &[]), 2, &holds("tally.exr"));
+    std::fs::remove_file(place.path("felt/tally.exr")).expect("the tally can be removed");
     refuse(&place, &run("2", &[]), 2, &holds("summary.json"));
 }
 
@@ -773,4 +775,41 @@ fn a_reader_that_goes_away_is_no_error() {
     let output = child.wait_with_output().expect("the program ends");
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
     assert!(place.path("nonwoven/summary.json").exists(), "the result is there");
+}
+
+#[test]
+fn results_are_compared_and_what_cannot_be_compared_is_refused() {
+    let place = Place::new();
+    let measure = |cloth: &str, seed: &str, folder: &str, more: &[&str]| {
+        let common = ["measure", cloth, "--walks", "3000", "--quiet", "--incident", "2", "--exit", "4"];
+        let outcome = place.run(&[&common[..], &["--seed", seed, "-o", folder], more].concat());
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    };
+    measure("felt", "1", "a", &[]);
+    measure("felt", "2", "b", &["--engine", "cpu"]);
+    measure("nonwoven", "3", "c", &[]);
+    measure("felt", "4", "sides", &["--sides", "back"]);
+    let compare = |arguments: &[&str]| place.run(&[&["compare"][..], arguments].concat());
+    let same = compare(&["a", "b/tally.exr"]);
+    assert_eq!((same.code, same.stderr.as_str()), (Some(0), ""), "{}", same.stdout);
+    assert!(same.stdout.ends_with("\nno difference was found\n"), "{}", same.stdout);
+    let other = compare(&["a", "c"]);
+    assert_eq!((other.code, other.stderr.as_str()), (Some(1), "error: the results differ\n"), "{}", other.stdout);
+    let within = compare(&["a", "b", "--within", "20%"]);
+    assert_eq!(within.code, Some(0), "{}", within.stderr);
+    let beyond = compare(&["a", "c", "--within", "2%"]);
+    assert!(beyond.code == Some(1) && beyond.stderr.contains("larger than the 2.00 % allowed"), "{}", beyond.stderr);
+    let told = compare(&["a", "a", "--same-seed"]);
+    assert_eq!(told.code, Some(0), "{}", told.stderr);
+    let refused = |arguments: &[&str], message: &str| {
+        let outcome = compare(arguments);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(2), ""), "{arguments:?}");
+        assert!(outcome.stderr.contains(message) && outcome.stderr.lines().count() == 1, "{}", outcome.stderr);
+    };
+    refused(&["a", "a"], "made with seed 1");
+    refused(&["a", "sides"], "differ in lit sides (front and back)");
+    refused(&["a", "missing"], "missing: cannot read the tally");
+    place.write("torn/tally.exr", "no image");
+    refused(&["torn", "a"], "not a tally of this program");
+    refused(&["a", "b", "--within", "-1%"], "must be a share");
 }

@@ -166,7 +166,7 @@ fn pairs_z(a: &Tally, b: &Tally, pairs: impl Iterator<Item = [(usize, usize); 2]
         }
         let light = |tally: &Tally, start, bin| {
             let (Moments { sum, square }, unit) = (tally.light(start, bin, 1), tally.unit() as f64);
-            mean_error(sum as f64 / unit, square as f64 / unit / unit, tally.walks_per_incident as f64)
+            mean_error(sum as f64 / unit, square as f64 / unit / unit, tally.walks_per_incident() as f64)
         };
         chi2 += means_z(light(a, a_start, a_bin), light(b, b_start, b_bin)).powi(2);
         freedom += 1.0;

@@ -101,7 +101,7 @@ fn a_run_that_misses_walks_is_an_error() {
     let settings = Settings { withheld_blocks: 3, ..Settings::default() };
     let plan = WalkPlan { max_events: 1 << 16, ..WalkPlan::new(36, 5000) };
     let error = gpu().run_with(settings, &tables, &goniometer, &plan, &mut |_| {}).expect_err("walks are missing");
-    assert!(matches!(error, Error::Account { engine: "gpu", .. }), "{error}");
+    assert!(matches!(error, Error::Account { ref engine, .. } if engine == "gpu"), "{error}");
     assert_eq!(error.exit_code(), 1);
 }
 

@@ -95,7 +95,7 @@ fn true_error(cloth: &Cloth) -> f64 {
     let stated = Cloth { exit: 8, ..Cloth::isotropic(1.0) }.lit_from("[[35, 20]]");
     let long = stated.run(gpu(), &WalkPlan::new(5000, 20_000_000));
     let share = |tally: &Tally| -> Vec<f64> {
-        let walks = tally.walks_per_incident as f64;
+        let walks = tally.walks_per_incident() as f64;
         tally.reflection(0).iter().chain(tally.transmission(0)).map(|count| *count as f64 / walks).collect()
     };
     let truth = share(&long);

@@ -63,7 +63,7 @@ pub fn values(
     let solid_angle = goniometer.exit.projected_solid_angle();
     let value = |bin| {
         let light = tally.light(start, bin, channel);
-        let Estimate { value, stderr } = mean_weight(light, tally.walks_per_incident, tally.unit());
+        let Estimate { value, stderr } = mean_weight(light, tally.walks_per_incident(), tally.unit());
         Estimate { value: value / solid_angle, stderr: stderr / solid_angle }
     };
     (first..first + cells).map(value).collect()
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn noise_is_the_error_of_the_scattered_light() {
-        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let origin = Origin { engine: "cpu".into(), adapter: String::new(), seed: 0 };
         let mut tally = Tally::new(origin, BinLayout { exit_cells: 2 }, 1, None);
         assert_eq!(noise(&tally), f64::INFINITY);
         // Shares 0.3 and 0.1 of 100 walks; the rest is direct.

@@ -1,13 +1,19 @@
 //! From counts to the BSDF with its errors.
 //!
-//! Computes: f in sr⁻¹ by incident and exit cell, reflectance, transmittance, direct light and their standard errors.
+//! Computes: f in sr⁻¹ by incident and exit cell, reflectance, transmittance, direct light and their standard errors; whether two
+//! tallies differ; whether light is reciprocal.
 //!
 //! Inputs: a tally; projected solid angles of exit cells in sr.
 //!
 //! Differs from the paper: every value carries its standard error.
 
+mod compare;
 mod estimate;
+mod reciprocity;
+mod significance;
 mod totals;
 
+pub use compare::{CellDifference, Comparison, LEVEL, PooledDifference, compare};
 pub use estimate::{Component, Estimate, mean_weight, noise, probability, values};
+pub use reciprocity::{Residual, reciprocity};
 pub use totals::{Totals, hemispherical, totals};

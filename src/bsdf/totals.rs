@@ -21,7 +21,7 @@ pub struct Totals {
 
 /// The totals of one start in a channel.
 pub fn totals(tally: &Tally, start: usize, channel: usize) -> Totals {
-    let walks = tally.walks_per_incident;
+    let walks = tally.walks_per_incident();
     let cells = tally.layout.exit_cells;
     let sum = |bins: std::ops::Range<usize>| {
         let moments = bins.map(|bin| tally.light(start, bin, channel));
@@ -47,7 +47,7 @@ pub fn hemispherical(tally: &Tally, goniometer: &Goniometer, side: usize, channe
     let Incidence::Disc(disc) = &goniometer.incidence else { return None };
     let parts: Vec<Totals> = (0..disc.cells()).map(|cell| totals(tally, side * disc.cells() + cell, channel)).collect();
     let cells = parts.len() as f64;
-    let walks = tally.walks_per_incident as f64;
+    let walks = tally.walks_per_incident() as f64;
     let mean = |of: fn(&Totals) -> Estimate| {
         let value = parts.iter().map(|part| of(part).value).sum::<f64>() / cells;
         if value == 0.0 || value == 1.0 {
@@ -73,14 +73,14 @@ pub fn hemispherical(tally: &Tally, goniometer: &Goniometer, side: usize, channe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::goniometer::{BinLayout, DiscBasis, Origin};
+    use crate::goniometer::{BinLayout, Coverage, DiscBasis, Origin};
     use crate::scene::Side;
 
     #[test]
     fn the_shares_add_up_to_one() {
-        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let origin = Origin { engine: "cpu".into(), adapter: String::new(), seed: 0 };
         let mut tally = Tally::new(origin, BinLayout { exit_cells: 1 }, 4, None);
-        tally.walks_per_incident = 100;
+        tally.coverage = Coverage::new(tally.origin().clone(), 0..100);
         for cell in 0..4 {
             tally.bins[5 * cell..5 * cell + 5].copy_from_slice(&[50, 30, 18, 2, 0]);
         }

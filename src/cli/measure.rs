@@ -1,11 +1,11 @@
 //! `fiberwalk measure`.
 
-use super::show::{grouped, totals_table};
+use super::show::{grouped, reciprocity_lines, totals_table};
 use super::{one_line, print};
 use fiberwalk::measure::{
     ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare, run as measure,
 };
-use fiberwalk::results::ResultFolder;
+use fiberwalk::results::{ResultFolder, TALLY};
 use fiberwalk::scene::{Scene, Source};
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Time between two lines of progress where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Measure the BSDF of a cloth: a result folder with bsdf.exr and summary.json
+/// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Cloth file, or a preset: felt, nonwoven
@@ -73,7 +73,7 @@ fn walks(text: &str) -> std::result::Result<u64, String> {
     number.ok_or_else(|| format!("must be a whole number from 1 to {MAX_WALKS}"))
 }
 
-fn share(text: &str) -> std::result::Result<f64, String> {
+pub fn share(text: &str) -> std::result::Result<f64, String> {
     let number = match text.strip_suffix('%') {
         Some(percent) => percent.parse().ok().map(|percent: f64| percent / 100.0),
         None => text.parse().ok(),
@@ -131,8 +131,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
-    let files = ["bsdf.exr", "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
-    print(&format!("{}{}\n{files}", totals_table(&scene, &measurement), speed(&measurement)))
+    let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
+    let findings =
+        [totals_table(&scene, &measurement), reciprocity_lines(&scene, &measurement), speed(&measurement)].concat();
+    print(&format!("{findings}\n{files}"))
 }
 
 /// What is going to be measured, how, and until when.

@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, all else to stderr.
 
+mod compare;
 mod engines;
 mod inspect;
 mod measure;
@@ -27,6 +28,7 @@ struct Arguments {
 enum Command {
     Measure(Box<measure::Arguments>),
     Inspect(inspect::Arguments),
+    Compare(compare::Arguments),
     Engines(engines::Arguments),
     New(new::Arguments),
 }
@@ -36,6 +38,7 @@ pub fn run() -> Result<()> {
     match parse()?.command {
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Engines(arguments) => engines::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
     }

@@ -1,9 +1,9 @@
 //! Numbers as text.
 
-use fiberwalk::bsdf::{Estimate, Totals, hemispherical, totals};
+use fiberwalk::bsdf::{Component, Estimate, Totals, hemispherical, reciprocity, totals};
 use fiberwalk::goniometer::Incidence;
 use fiberwalk::measure::Measurement;
-use fiberwalk::scene::{Incident, Scene};
+use fiberwalk::scene::{Incident, Scene, Side};
 use std::fmt::Write;
 
 /// A value with its standard error, both to the error's second digit.
@@ -69,6 +69,35 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
     let lost: u64 = (0..tally.starts()).map(|start| tally.lost(start)).sum();
     if lost > 0 {
         let _ = writeln!(text, "lost: {} were given up; the shares above leave them out", walks(lost));
+    }
+    text
+}
+
+/// How reciprocal the light is: for each lit side and component, the channel that is least so.
+pub fn reciprocity_lines(scene: &Scene, measurement: &Measurement) -> String {
+    let Measurement { goniometer, tally, .. } = measurement;
+    let mut text = String::new();
+    for &side in &goniometer.sides {
+        for (name, component) in [("reflection", Component::Reflection), ("transmission", Component::Transmission)] {
+            // Transmission from the back is the other half of the same pairs.
+            if (side, component) == (Side::Back, Component::Transmission) {
+                continue;
+            }
+            let residuals = (0..tally.channels())
+                .filter_map(|channel| Some((channel, reciprocity(tally, goniometer, component, side, channel)?)));
+            let least = residuals.min_by(|a, b| a.1.probability.total_cmp(&b.1.probability));
+            let Some((channel, residual)) = least.filter(|(_, residual)| residual.pairs > 0) else { continue };
+            let of =
+                if tally.channels() > 1 { format!(" in {}", scene.channels.names[channel]) } else { String::new() };
+            let ratio = residual.chi_square / residual.pairs as f64;
+            let pairs = grouped(residual.pairs as u64);
+            let _ = writeln!(
+                text,
+                "reciprocal: {} {name}{of}, χ² = {ratio:.2} for each of {pairs} pairs of cells, p = {:.2}",
+                side.name(),
+                residual.probability
+            );
+        }
     }
     text
 }

@@ -10,7 +10,9 @@
 //! - Bins are integers, so tallies add exactly and every bin has an exact standard error.
 
 mod basis;
+mod coverage;
 mod tally;
 
 pub use basis::{DiscBasis, Goniometer, Incidence};
-pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Origin, Outcome, Tally, WEIGHT, Weights};
+pub use coverage::{Coverage, Origin, Run};
+pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Outcome, Tally, WEIGHT, Weights};

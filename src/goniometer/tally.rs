@@ -1,5 +1,6 @@
 //! The integer tally of a run and its accounts.
 
+use super::coverage::{Coverage, Origin};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -74,17 +75,6 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// Which engine made the counts, from which random numbers.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Origin {
-    /// `gpu` or `cpu`.
-    pub engine: &'static str,
-    /// The adapter, or the number of threads.
-    pub adapter: String,
-    /// Seed of the random numbers.
-    pub seed: u64,
-}
-
 /// Sums of fixed-point weights in one bin and channel: Σq and Σq².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Moments {
@@ -114,12 +104,10 @@ pub struct Weights {
 /// Walks by start (side and incident cell) and exit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
-    /// Who counted.
-    pub origin: Origin,
+    /// The walks that it holds; those of an engine at work are filled in at the end.
+    pub coverage: Coverage,
     /// How the bins of one start are laid out.
     pub layout: BinLayout,
-    /// Walks of each start.
-    pub walks_per_incident: u64,
     /// Numbers of walks, `layout.stride()` for each start.
     pub bins: Vec<u64>,
     /// Their light by channel, when fibers absorb; otherwise every walk keeps all of it.
@@ -136,7 +124,17 @@ impl Tally {
             Weights { channels, moments }
         });
         let bins = vec![0; layout.stride() * starts];
-        Tally { origin, layout, walks_per_incident: 0, bins, weights, counts: Counts::default() }
+        Tally { coverage: Coverage::new(origin, 0..0), layout, bins, weights, counts: Counts::default() }
+    }
+
+    /// Who counted; the first of several by seed.
+    pub fn origin(&self) -> &Origin {
+        &self.coverage.runs()[0].origin
+    }
+
+    /// Walks of each start.
+    pub fn walks_per_incident(&self) -> u64 {
+        self.coverage.walks_per_incident()
     }
 
     /// Number of starts: lit sides times incident cells.
@@ -213,10 +211,18 @@ impl Tally {
         })
     }
 
-    /// Add the counts of other walks of the same instrument and seed.
-    pub fn add(&mut self, other: &Tally) {
-        debug_assert_eq!((self.layout, self.bins.len()), (other.layout, other.bins.len()));
-        self.walks_per_incident += other.walks_per_incident;
+    /// Add the counts of other walks through the same cloth and instrument, exactly.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the tallies differ in starts, exit cells or channels, or hold the same walk of the same seed.
+    pub fn merge(&mut self, other: &Tally) -> Result<()> {
+        let shape = |tally: &Tally| {
+            (tally.layout.exit_cells, tally.starts(), tally.weights.as_ref().map(|weights| weights.channels))
+        };
+        if shape(self) != shape(other) {
+            return Err(Error::Input("the tallies differ in incident cells, exit cells or channels".into()));
+        }
+        self.coverage.join(&other.coverage)?;
         self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);
         if let (Some(weights), Some(others)) = (&mut self.weights, &other.weights) {
             for (sum, part) in weights.moments.iter_mut().zip(&others.moments) {
@@ -225,6 +231,7 @@ impl Tally {
             }
         }
         self.counts += other.counts;
+        Ok(())
     }
 
     /// Hold the counts against the plan.
@@ -236,7 +243,7 @@ impl Tally {
     /// # Errors
     /// [`Error::Account`] names the first sum that does not close.
     pub fn check(&self, planned_per_incident: u64) -> Result<()> {
-        let fail = |message: String| Err(Error::Account { engine: self.origin.engine, message });
+        let fail = |message: String| Err(Error::Account { engine: self.origin().engine.clone(), message });
         for start in 0..self.starts() {
             let counted: u64 = self.of_start(start).iter().sum();
             if counted != planned_per_incident {
@@ -270,7 +277,7 @@ mod tests {
     use super::*;
 
     fn closed() -> Tally {
-        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let origin = Origin { engine: "cpu".into(), adapter: String::new(), seed: 0 };
         let mut tally = Tally::new(origin, BinLayout { exit_cells: 4 }, 3, Some(2));
         for start in 0..3 {
             tally.bins[start * 11 + start] = 7;

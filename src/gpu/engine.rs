@@ -10,7 +10,7 @@ use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
 use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
-use crate::goniometer::{Goniometer, Incidence, Origin, Tally};
+use crate::goniometer::{Coverage, Goniometer, Incidence, Origin, Tally};
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, ROULETTE_EVERY, WalkPlan, WalkRecord};
 use std::collections::HashMap;
@@ -181,7 +181,7 @@ impl<'a> Run<'a> {
             bases: tables.half_length.is_finite(),
             roulette,
         };
-        let origin = Origin { engine: "gpu", adapter: gpu.adapter(), seed: plan.seed };
+        let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };
         let channels = tables.absorbing().then(|| tables.channels());
         let tally = Tally::new(origin, goniometer.layout(), goniometer.starts(), channels);
         let records = if trace {
@@ -209,7 +209,7 @@ impl<'a> Run<'a> {
         }
         let Shape { lanes, budget, flush_every, .. } = self.shape;
         self.report = Report { lanes, budget, flush_every, ..self.report };
-        self.tally.walks_per_incident = self.plan.walks_per_incident;
+        self.tally.coverage = Coverage::new(self.tally.origin().clone(), self.plan.walks());
         self.tally.check(self.plan.walks_per_incident)?;
         Ok((self.tally, self.report, self.records))
     }
@@ -325,7 +325,7 @@ impl<'a> Run<'a> {
             idle = if now.finished == last.finished { idle + 1 } else { 0 };
             if idle > patience {
                 let message = format!("{} of {walks} walks came to an end and then no more", now.finished);
-                return Err(Error::Account { engine: "gpu", message });
+                return Err(Error::Account { engine: "gpu".into(), message });
             }
             last = now;
             self.tally.counts = before;
@@ -346,7 +346,7 @@ impl<'a> Run<'a> {
         for (slot, trace) in session.traces(walks as usize * stride)?.iter().enumerate() {
             if trace.counted > 1 {
                 let message = format!("walk {} was counted {} times", offset + slot, trace.counted);
-                return Err(Error::Account { engine: "gpu", message });
+                return Err(Error::Account { engine: "gpu".into(), message });
             }
             if trace.counted == 1 {
                 self.records[offset + slot] = WalkRecord { bin: trace.bin, events: trace.events, hits: trace.hits };

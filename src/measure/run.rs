@@ -137,7 +137,7 @@ pub fn run(
                 next_look = Instant::now() + LOOK.max(20 * now.elapsed());
             }
         })?;
-        tally.add(&part);
+        tally.merge(&part)?;
         made = next;
     }
     tally.check(made)?;

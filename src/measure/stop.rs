@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn each_rule_stops_when_it_says() {
-        let origin = Origin { engine: "cpu", adapter: String::new(), seed: 0 };
+        let origin = Origin { engine: "cpu".into(), adapter: String::new(), seed: 0 };
         let mut tally = Tally::new(origin, BinLayout { exit_cells: 1 }, 1, None);
         let now = Instant::now();
         assert_eq!(Stop::Walks(10).next(&tally, 0, now, 100), Some(10));

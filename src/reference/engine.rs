@@ -2,7 +2,7 @@
 
 use super::walk::{Blind, walk};
 use crate::error::Result;
-use crate::goniometer::{Counts, Goniometer, Origin, Outcome, Tally, WEIGHT};
+use crate::goniometer::{Counts, Coverage, Goniometer, Origin, Outcome, Tally, WEIGHT};
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, Purpose, WalkPlan, WalkRecord, draw, uniform};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ const TASKS_PER_ROUND: u64 = 16;
 pub struct Reference;
 
 impl Reference {
-    /// Who counts: the number of threads stands for the adapter.
+    /// On what it runs.
     pub fn adapter(&self) -> String {
         format!("{} threads, f64", rayon::current_num_threads())
     }
@@ -31,10 +31,10 @@ impl Engine for Reference {
         plan: &WalkPlan,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally> {
-        let origin = Origin { engine: "cpu", adapter: self.adapter(), seed: plan.seed };
+        let origin = Origin { engine: "cpu".into(), adapter: "f64".into(), seed: plan.seed };
         let starts = goniometer.starts();
         let channels = tables.absorbing().then(|| tables.channels());
-        let mut tally = Tally::new(origin, goniometer.layout(), starts, channels);
+        let mut tally = Tally::new(origin.clone(), goniometer.layout(), starts, channels);
         // A task is a block of walks of one start; starts go round fastest.
         let tasks = plan.walks_per_incident.div_ceil(TASK) * starts as u64;
         let round = TASKS_PER_ROUND * rayon::current_num_threads() as u64;
@@ -53,7 +53,7 @@ impl Engine for Reference {
             }
             progress(&tally);
         }
-        tally.walks_per_incident = plan.walks_per_incident;
+        tally.coverage = Coverage::new(origin, plan.walks());
         tally.check(plan.walks_per_incident)?;
         Ok(tally)
     }

@@ -24,7 +24,7 @@ pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> 
             starts.clone().flat_map(row).collect()
         };
         let direct = |_| -> Vec<Estimate> {
-            starts.clone().map(|start| probability(tally.direct(start), tally.walks_per_incident)).collect()
+            starts.clone().map(|start| probability(tally.direct(start), tally.walks_per_incident())).collect()
         };
         let name = |what: &str| format!("{}.{what}", side.name());
         let channels = Names { names: &scene.channels.names, told_apart: tally.channels() };

@@ -1,7 +1,9 @@
 //! Where results go, and how nothing is left half-written.
 
+use super::about::About;
 use super::exr::write_bsdf;
 use super::summary::summary;
+use super::tally::{TALLY, write_tally};
 use crate::error::{Error, Result};
 use crate::measure::Measurement;
 use crate::scene::Scene;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// The files of a result.
-const FILES: [&str; 2] = ["bsdf.exr", "summary.json"];
+const FILES: [&str; 3] = ["bsdf.exr", TALLY, "summary.json"];
 
 /// A folder that was seen to take files.
 #[derive(Debug)]
@@ -63,6 +65,9 @@ impl ResultFolder {
         self.make()?;
         let mut bsdf = self.temporary()?;
         write_bsdf(bsdf.as_file_mut(), scene, measurement).map_err(|source| self.failed(source))?;
+        let mut tally = self.temporary()?;
+        write_tally(tally.as_file_mut(), &About::new(scene), &measurement.tally)
+            .map_err(|source| self.failed(source))?;
         let mut text = self.temporary()?;
         text.write_all(summary(scene, measurement).as_bytes()).map_err(|source| self.failed(source))?;
         // The summary goes first and comes last.
@@ -70,7 +75,7 @@ impl ResultFolder {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => return Err(self.failed(source)),
             _ => {}
         }
-        for (file, name) in [bsdf, text].into_iter().zip(FILES) {
+        for (file, name) in [bsdf, tally, text].into_iter().zip(FILES) {
             file.persist(self.path.join(name)).map_err(|failed| self.failed(failed.error))?;
         }
         self.written = true;

@@ -1,4 +1,4 @@
-//! The result folder: `bsdf.exr` and `summary.json`.
+//! The result folder: `bsdf.exr`, `tally.exr` and `summary.json`.
 //!
 //! Computes: the files, each written beside its place and moved there when it is whole.
 //!
@@ -6,9 +6,13 @@
 //!
 //! Differs from the paper: nothing; the paper does not say how its output is written.
 
+mod about;
 mod exr;
 mod folder;
 mod provenance;
 mod summary;
+mod tally;
 
+pub use about::About;
 pub use folder::ResultFolder;
+pub use tally::{Stored, TALLY, write_tally};

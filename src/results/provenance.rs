@@ -1,12 +1,13 @@
 //! What the numbers were made from, as JSON with sorted keys.
 
+use crate::goniometer::Run;
 use crate::measure::Measurement;
 use crate::scene::{Incident, Scene};
 use serde_json::{Value, json};
 
 /// The attribute that every part of an EXR file carries.
 pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
-    let origin = &measurement.tally.origin;
+    let origin = measurement.tally.origin();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "cloth": scene.text,
@@ -23,17 +24,21 @@ pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
 /// The runs of which a result is made.
 pub fn runs(measurement: &Measurement) -> Value {
     let tally = &measurement.tally;
-    json!([{
-        "version": env!("CARGO_PKG_VERSION"),
-        "engine": tally.origin.engine,
-        "adapter": tally.origin.adapter,
-        "seed": tally.origin.seed,
-        "walks": tally.counts.launched,
-    }])
+    let starts = tally.starts() as u64;
+    let run = |run: &Run| {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "engine": run.origin.engine,
+            "adapter": run.origin.adapter,
+            "seed": run.origin.seed,
+            "walks": starts * run.walks.iter().map(|[first, end]| end - first).sum::<u64>(),
+        })
+    };
+    tally.coverage.runs().iter().map(run).collect()
 }
 
 /// The incident basis as the cloth file writes it.
-fn incident(scene: &Scene) -> Value {
+pub fn incident(scene: &Scene) -> Value {
     match &scene.measure.incident {
         Incident::Disc(n) => json!(n),
         Incident::List(angles) => angles.iter().map(|pair| json!(pair.map(degrees))).collect(),

@@ -1,7 +1,7 @@
 //! `summary.json`.
 
 use super::provenance::{degrees, runs};
-use crate::bsdf::{Estimate, Totals, hemispherical, totals};
+use crate::bsdf::{Component, Estimate, Totals, hemispherical, reciprocity, totals};
 use crate::measure::{Measurement, peak_bytes};
 use crate::scene::{Incident, Scene};
 use serde_json::{Value, json};
@@ -37,11 +37,11 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
     let rate = |count: u64| count as f64 / seconds.walk;
     let value = json!({
         "name": scene.name,
-        "engine": tally.origin.engine,
-        "adapter": tally.origin.adapter,
-        "seed": tally.origin.seed,
+        "engine": tally.origin().engine,
+        "adapter": tally.origin().adapter,
+        "seed": tally.origin().seed,
         "walks": tally.counts.launched,
-        "walks_per_incident": tally.walks_per_incident,
+        "walks_per_incident": tally.walks_per_incident(),
         "collisions": tally.counts.collisions,
         "tentative_events": tally.counts.tentative_events,
         "seconds": seconds,
@@ -51,9 +51,35 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "provenance": runs(measurement),
         "model": scene.model,
         "base_exits": tally.counts.base_exits,
+        "checks": checks(scene, measurement),
         "sides": sides,
     });
     format!("{value:#}\n")
+}
+
+/// Whether the light adds up and takes the same way back.
+fn checks(scene: &Scene, measurement: &Measurement) -> Value {
+    let Measurement { goniometer, tally, .. } = measurement;
+    let channels = 0..tally.channels();
+    let gap = |start: usize, channel: usize| {
+        let Totals { reflectance, transmittance, direct, absorptance, lost } = totals(tally, start, channel);
+        (reflectance.value + transmittance.value + direct.value + absorptance.value + lost - 1.0).abs()
+    };
+    let gaps = (0..tally.starts()).flat_map(|start| channels.clone().map(move |channel| gap(start, channel)));
+    let mut ways = serde_json::Map::new();
+    for &side in &goniometer.sides {
+        for (name, component) in [("reflection", Component::Reflection), ("transmission", Component::Transmission)] {
+            let residual = |channel| reciprocity(tally, goniometer, component, side, channel);
+            let names = scene.channels.names.iter().enumerate();
+            let by_channel = |(channel, name): (usize, &String)| {
+                let residual = residual(channel.min(tally.channels() - 1));
+                residual.map(|residual| (name.clone(), json!(residual)))
+            };
+            let found: Option<serde_json::Map<String, Value>> = names.map(by_channel).collect();
+            ways.insert(format!("{}.{name}", side.name()), json!(found));
+        }
+    }
+    json!({ "energy_gap": gaps.fold(0.0, f64::max), "reciprocity": ways })
 }
 
 /// The four shares by channel, and what was lost.

@@ -3,6 +3,7 @@
 use super::absorption::{MAX_CHANNELS, WAVELENGTH};
 use super::reader::{Allowed, Document, Table, Value};
 use crate::error::Result;
+use serde::{Deserialize, Serialize};
 use toml::de::DeValue;
 
 /// Incident directions.
@@ -15,7 +16,8 @@ pub enum Incident {
 }
 
 /// A face of the cloth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Its normal is +z.
     Front,

@@ -34,6 +34,11 @@ impl WalkPlan {
         WalkPlan { seed, first: 0, walks_per_incident, jitter: true, max_events: MAX_EVENTS, roulette: true }
     }
 
+    /// The numbers i of the walks of each start.
+    pub fn walks(&self) -> std::ops::Range<u64> {
+        self.first..self.first + self.walks_per_incident
+    }
+
     /// The walk id of walk number `i` of a start, i·C + c with C starts.
     pub fn walk_id(starts: usize, i: u64, start: usize) -> u64 {
         i * starts as u64 + start as u64

@@ -129,14 +129,14 @@ impl Cloth {
         let Prepared { tables, goniometer, .. } = prepare(&self.scene()).unwrap_or_else(|error| panic!("{error}"));
         let tally = engine.run(&tables, &goniometer, plan, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
         tally.check(plan.walks_per_incident).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(tally.origin.seed, plan.seed);
+        assert_eq!(tally.origin().seed, plan.seed);
         tally
     }
 }
 
 /// Assert from the result which engine ran.
 pub fn assert_ran(tally: &Tally, engine: &str) {
-    assert_eq!(tally.origin.engine, engine, "the wrong engine ran");
+    assert_eq!(tally.origin().engine, engine, "the wrong engine ran");
 }
 
 /// Run with an engine, each from random numbers of its own, and see that it was this engine.
@@ -155,7 +155,7 @@ pub fn scattered(tally: &Tally) -> Vec<u64> {
 /// Mean light of one walk and its standard error: reflected by channel, then transmitted by channel.
 pub fn mean_light(tally: &Tally, start: usize) -> Vec<(f64, f64)> {
     let cells = tally.layout.exit_cells;
-    let (n, unit) = (tally.walks_per_incident as f64, tally.unit() as f64);
+    let (n, unit) = (tally.walks_per_incident() as f64, tally.unit() as f64);
     let of = |side: usize, channel| {
         let moments = (side * cells..(side + 1) * cells).map(|bin| tally.light(start, bin, channel));
         let (sum, square) = moments.fold((0, 0), |(sum, square), light| (sum + light.sum, square + light.square));

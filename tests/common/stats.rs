@@ -51,10 +51,11 @@ pub fn chi2_z(chi2: f64, k: f64) -> f64 {
 
 /// Two tallies of independent walks, incident cell by incident cell, all bins, as a standard normal z.
 pub fn two_tally_z(a: &fiberwalk::goniometer::Tally, b: &fiberwalk::goniometer::Tally) -> f64 {
-    assert_ne!(a.origin.seed, b.origin.seed, "tallies of the same seed are not independent");
+    assert_ne!(a.origin().seed, b.origin().seed, "tallies of the same seed are not independent");
     let (mut chi2, mut freedom) = (0.0, 0.0);
     for cell in 0..a.starts() {
-        let (part, k) = two_sample_chi2(a.of_start(cell), a.walks_per_incident, b.of_start(cell), b.walks_per_incident);
+        let (part, k) =
+            two_sample_chi2(a.of_start(cell), a.walks_per_incident(), b.of_start(cell), b.walks_per_incident());
         chi2 += part;
         freedom += k;
     }

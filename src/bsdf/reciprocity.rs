@@ -1,0 +1,100 @@
+//! Whether light takes the same way back: f(wi, wo) = f(wo, wi).
+
+use super::estimate::Component;
+use super::significance::chi_square_tail;
+use crate::goniometer::{Goniometer, Incidence, Moments, Tally};
+use crate::scene::Side;
+use serde::Serialize;
+
+/// Least number of walks, or effective number of weighted ones, in a pair of cells that is counted.
+const LEAST: f64 = 25.0;
+
+/// How far a component is from its reverse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Residual {
+    /// √max(0, Σ[(P − P')² − σ² − σ'²]) / √Σ PP': what noise does not explain, as a share.
+    pub error: f64,
+    /// Σ (P − P')²/(σ² + σ'²) over pairs of cells with light enough.
+    pub chi_square: f64,
+    /// How many such pairs.
+    pub pairs: usize,
+    /// Probability of so large a χ² if the light were reciprocal.
+    pub probability: f64,
+}
+
+/// The residual of a component of a lit side in a channel: reflection against its own transpose, transmission against
+/// that of the other side transposed; exit cells are pooled to the incident grid.
+///
+/// None for listed directions, for transmission with one side lit, and when the exit grid is no multiple of the incident.
+pub fn reciprocity(
+    tally: &Tally,
+    goniometer: &Goniometer,
+    component: Component,
+    side: Side,
+    channel: usize,
+) -> Option<Residual> {
+    let Incidence::Disc(incident) = &goniometer.incidence else { return None };
+    if !goniometer.exit.n.is_multiple_of(incident.n) {
+        return None;
+    }
+    let reverse = match (component, side) {
+        (Component::Reflection, side) => side,
+        (Component::Transmission, Side::Front) => Side::Back,
+        (Component::Transmission, Side::Back) => Side::Front,
+    };
+    let place = |side| goniometer.sides.iter().position(|lit| *lit == side);
+    let forth = pooled(tally, goniometer, incident.n, component, place(side)?, channel);
+    let back = pooled(tally, goniometer, incident.n, component, place(reverse)?, channel);
+    let cells = incident.cells();
+    let scale = 1.0 / (tally.unit() as f64 * tally.walks_per_incident() as f64);
+    let (mut excess, mut square) = (0.0, 0.0);
+    let mut residual = Residual::default();
+    for i in 0..cells {
+        // A reflection and its transpose hold each pair twice.
+        let others = if side == reverse { i + 1..cells } else { 0..cells };
+        for o in others {
+            let (p, q) = (forth[i * cells + o], back[o * cells + i]);
+            let share = |light: Moments| light.sum as f64 * scale;
+            let second = (p.square + q.square) as f64 * scale * scale;
+            // The two are equal if light is reciprocal, so they have one mean.
+            let mean = (share(p) + share(q)) / 2.0;
+            let variance = second - 2.0 * mean * mean / tally.walks_per_incident() as f64;
+            let difference = (share(p) - share(q)).powi(2);
+            excess += difference - variance;
+            square += share(p) * share(q);
+            let effective = ((p.sum + q.sum) as f64).powi(2) / ((p.square + q.square) as f64).max(1.0);
+            if effective >= LEAST {
+                residual.chi_square += difference / variance;
+                residual.pairs += 1;
+            }
+        }
+    }
+    residual.error = if square > 0.0 { (excess.max(0.0) / square).sqrt() } else { 0.0 };
+    residual.probability = chi_square_tail(residual.chi_square, residual.pairs);
+    Some(residual)
+}
+
+/// Light by incident cell and exit cell of a grid of n × n.
+fn pooled(
+    tally: &Tally,
+    goniometer: &Goniometer,
+    n: u32,
+    component: Component,
+    side: usize,
+    channel: usize,
+) -> Vec<Moments> {
+    let exit = goniometer.exit.n;
+    let (cells, exits) = ((n * n) as usize, goniometer.exit.cells());
+    let first = if component == Component::Reflection { 0 } else { exits };
+    let mut light = vec![Moments::default(); cells * cells];
+    for cell in 0..cells {
+        for bin in 0..exits {
+            let (row, column) = (bin as u32 / exit * n / exit, bin as u32 % exit * n / exit);
+            let part = tally.light(side * cells + cell, first + bin, channel);
+            let sum = &mut light[cell * cells + (row * n + column) as usize];
+            sum.sum += part.sum;
+            sum.square += part.square;
+        }
+    }
+    light
+}

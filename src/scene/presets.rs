@@ -19,7 +19,7 @@ mod tests {
     fn presets_have_the_areal_mass_that_their_sources_state() {
         for (name, stated) in [("felt", 814.0), ("nonwoven", 50.0)] {
             let scene = Scene::parse(&Source::find(name).expect("it is a preset")).expect("it is right");
-            let mass = scene.sheet.areal_mass(&scene.fibers).expect("its density is stated");
+            let mass = scene.sheet().expect("it is a sheet").areal_mass(&scene.fibers).expect("its density is stated");
             assert!((mass / stated - 1.0).abs() < 2e-3, "{name}: {mass} g/m²");
         }
     }

@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Say what the model of a cloth will be, without measuring it
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: felt, nonwoven
+    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
     cloth: String,
 }
 

@@ -18,7 +18,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: felt, nonwoven
+    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]

@@ -10,12 +10,12 @@ const PARTS: usize = 24;
 /// to a sixteenth of it.
 const SAGITTA: f64 = 0.09;
 /// Radians that a fiber turns in a piece, about.
-const TURN: f64 = 0.1;
+const TURN: f64 = 0.15;
 /// Step lengths along the axis differ by no more than this times their distance.
-const GRADING: f64 = 0.5;
-/// With that grading, a piece is at most this much longer than the step length of any of its points: (√e − 1)/½ = 1.30,
+const GRADING: f64 = 0.25;
+/// With that grading, a piece is at most this much longer than the step length of any of its points: (e^¼ − 1)/¼ = 1.14,
 /// and a little for the finite parts.
-const SLACK: f64 = 1.35;
+const SLACK: f64 = 1.17;
 
 /// A point of an axis.
 #[derive(Clone, Copy, Debug)]

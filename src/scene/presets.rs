@@ -1,9 +1,12 @@
 //! Cloth files that come with the program.
 
 /// Names and texts of the presets.
-pub const PRESETS: [(&str, &str); 2] = [
+pub const PRESETS: [(&str, &str); 5] = [
+    ("charmeuse", include_str!("../../assets/cloths/charmeuse.toml")),
+    ("denim", include_str!("../../assets/cloths/denim.toml")),
     ("felt", include_str!("../../assets/cloths/felt.toml")),
     ("nonwoven", include_str!("../../assets/cloths/nonwoven.toml")),
+    ("voile", include_str!("../../assets/cloths/voile.toml")),
 ];
 
 /// The text of a preset.

@@ -21,6 +21,7 @@
 //! not know of each other.
 
 pub mod bsdf;
+pub mod cloth;
 pub mod concentric;
 pub mod distribution;
 pub mod error;

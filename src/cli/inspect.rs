@@ -3,14 +3,14 @@
 use super::{one_line, print};
 use fiberwalk::Result;
 use fiberwalk::measure::{Prepared, memory, prepare};
-use fiberwalk::scene::{Orientation, Scene, Source};
+use fiberwalk::scene::{Orientation, Scene, Sheet, Source};
 use glam::DVec3;
 use std::fmt::Write;
 
 /// Say what the model of a cloth will be, without measuring it
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: felt, nonwoven
+    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
     cloth: String,
 }
 
@@ -19,13 +19,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = Scene::parse(&source)?;
     let prepared = prepare(&scene)?;
-    print(&(cloth(&scene) + &medium(&scene, &prepared) + &sizes(&scene, &prepared)))
+    let sheet = scene.sheet()?;
+    print(&(cloth(&scene, sheet) + &medium(&scene, sheet, &prepared) + &sizes(&scene, &prepared)))
 }
 
 /// The cloth as the file says it.
-fn cloth(scene: &Scene) -> String {
+fn cloth(scene: &Scene, sheet: &Sheet) -> String {
     let mut text = format!("{}\n", one_line(&scene.name));
-    for part in &scene.sheet.fibers {
+    for part in &sheet.fibers {
         let fiber = &scene.fibers[part.fiber];
         let orientation = match part.orientation {
             Orientation::Isotropic => "isotropic".into(),
@@ -46,9 +47,9 @@ fn cloth(scene: &Scene) -> String {
     };
     let absorbing = if scene.channels.lossless() { ", nothing is absorbed" } else { "" };
     let _ = writeln!(text, "channels         {channels}{absorbing}");
-    let _ = writeln!(text, "thickness        {} mm", scene.sheet.thickness);
-    let _ = writeln!(text, "volume fraction  {:.4}", scene.sheet.volume_fraction(&scene.fibers));
-    let mass = scene.sheet.areal_mass(&scene.fibers);
+    let _ = writeln!(text, "thickness        {} mm", sheet.thickness);
+    let _ = writeln!(text, "volume fraction  {:.4}", sheet.volume_fraction(&scene.fibers));
+    let mass = sheet.areal_mass(&scene.fibers);
     let _ = writeln!(
         text,
         "areal mass       {}",
@@ -58,14 +59,14 @@ fn cloth(scene: &Scene) -> String {
 }
 
 /// The medium that it becomes.
-fn medium(scene: &Scene, prepared: &Prepared) -> String {
+fn medium(scene: &Scene, sheet: &Sheet, prepared: &Prepared) -> String {
     let Prepared { specific_length, tables, .. } = prepared;
     let mut text = String::new();
     for theta in [0.0, 30.0, 60.0f64] {
         // Light from the middle between x and y.
         let (sin, cos) = theta.to_radians().sin_cos();
         let m = -DVec3::new(sin / 2f64.sqrt(), sin / 2f64.sqrt(), cos);
-        let depth = specific_length.visible_area(m, |kind| scene.fibers[kind].radius) * scene.sheet.thickness;
+        let depth = specific_length.visible_area(m, |kind| scene.fibers[kind].radius) * sheet.thickness;
         let direct = (-depth / cos).exp();
         let _ = writeln!(text, "light at {theta:2}°      optical depth {:.3}, direct light {direct:.3e}", depth / cos);
     }

@@ -18,7 +18,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: felt, nonwoven
+    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let engine = choose(choice, arguments.adapter.as_deref())?;
     let stop = arguments.stop();
-    describe(&source, &scene, &prepared, &engine, stop).iter().for_each(|line| note(line));
+    describe(&source, &scene, &prepared, &engine, stop)?.iter().for_each(|line| note(line));
     let mut watch = Watch::new();
     let mut show = |progress| watch.show(progress);
     let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
@@ -138,9 +138,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// What is going to be measured, how, and until when.
-fn describe(source: &Source, scene: &Scene, prepared: &Prepared, engine: &ChosenEngine, stop: Stop) -> Vec<String> {
-    let mass = scene.sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
-    let (depth, fraction) = (prepared.tables.depth(), scene.sheet.volume_fraction(&scene.fibers));
+fn describe(
+    source: &Source,
+    scene: &Scene,
+    prepared: &Prepared,
+    engine: &ChosenEngine,
+    stop: Stop,
+) -> Result<Vec<String>> {
+    let sheet = scene.sheet()?;
+    let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
+    let (depth, fraction) = (prepared.tables.depth(), sheet.volume_fraction(&scene.fibers));
     let mut lines = vec![
         format!("{}: {}", source.file, scene.name),
         format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"),
@@ -157,7 +164,7 @@ fn describe(source: &Source, scene: &Scene, prepared: &Prepared, engine: &Chosen
         let percent = (1e8 * tolerance).round() / 1e6;
         lines.push(format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
     }
-    lines
+    Ok(lines)
 }
 
 impl Arguments {

@@ -66,12 +66,13 @@ pub struct Prepared {
 /// Tabulate a scene.
 ///
 /// # Errors
-/// [`Error::Input`] when the run would not fit into memory.
+/// [`Error::Input`] when the cloth is woven, or the run would not fit into memory.
 pub fn prepare(scene: &Scene) -> Result<Prepared> {
+    let sheet = scene.sheet()?;
     let goniometer = Goniometer::new(&scene.measure);
     let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-    let specific_length = SpecificLength::of_sheet(&scene.sheet, grid);
-    let tables = SamplingTables::new(scene, &specific_length);
+    let specific_length = SpecificLength::of_sheet(sheet, grid);
+    let tables = SamplingTables::new(scene, sheet, &specific_length);
     let bytes = memory(&tables, &goniometer);
     if bytes > MAX_BYTES {
         let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());

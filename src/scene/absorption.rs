@@ -41,7 +41,7 @@ pub(super) struct Clash {
 pub struct Channels {
     /// `Y`; or `R`, `G`, `B`; or `T.550,000000nm` and so on (Fichet, Pacanowski, Wilkie, JCGT 10(3), 2021).
     pub names: Vec<String>,
-    /// Absorption in 1/mm of each kind of fiber of the sheet (ascending index) in each channel.
+    /// Absorption in 1/mm of each kind of fiber of the cloth (ascending index) in each channel.
     pub absorption: Vec<Vec<f64>>,
 }
 
@@ -122,7 +122,7 @@ pub(super) fn resolve(kinds: &[(&str, &Absorption)], wavelengths: &[f64]) -> std
         (Some(rgb), Some(spectrum)) => Err(Clash {
             kind: Some((*rgb).into()),
             message: format!(
-                "fiber `{rgb}` absorbs in rgb and fiber `{spectrum}` by a spectrum; allowed: one of the two in a sheet"
+                "fiber `{rgb}` absorbs in rgb and fiber `{spectrum}` by a spectrum; allowed: one of the two in a cloth"
             ),
         }),
         (_, Some(_)) => {
@@ -139,7 +139,7 @@ pub(super) fn resolve(kinds: &[(&str, &Absorption)], wavelengths: &[f64]) -> std
         }
         _ if !wavelengths.is_empty() => Err(Clash {
             kind: None,
-            message: "`wavelengths_nm` has no use: no fiber of the sheet has a spectrum".into(),
+            message: "`wavelengths_nm` has no use: no fiber of the cloth has a spectrum".into(),
         }),
         (Some(_), None) => {
             let of_kind = |(_, absorption): &(&str, &Absorption)| match absorption {

@@ -5,14 +5,15 @@ use super::measure::Measure;
 use super::model::Model;
 use super::presets::{PRESETS, preset};
 use super::reader::{Document, Table, closest};
-use super::sheet::{Fiber, Sheet, read_fibers, read_sheet};
+use super::sheet::{Fiber, Sheet, read_fibers};
+use super::structure::{Structure, read_structure};
 use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-const NOT_WOVEN: &str = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
+const NOT_KNITTED: &str = "describes a knitted cloth, which is not available yet; describe a [sheet] or a [weave]";
 
 /// No cloth file is as long as this, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -82,9 +83,9 @@ pub struct Scene {
     pub text: String,
     /// Kinds of fiber, in the order of their names.
     pub fibers: Vec<Fiber>,
-    /// The sheet.
-    pub sheet: Sheet,
-    /// Colour channels, and what each kind of fiber of the sheet absorbs in them.
+    /// The sheet or the weave.
+    pub structure: Structure,
+    /// Colour channels, and what each kind of fiber of the cloth absorbs in them.
     pub channels: Channels,
     /// How it is modelled.
     pub model: Model,
@@ -101,20 +102,20 @@ impl Scene {
         let document = Document { file: source.file.clone(), source: &source.text };
         let parsed = DeTable::parse(&source.text).map_err(|error| document.malformed(&error))?;
         let root = Table::root(&document, &parsed);
-        let planned = ["yarn", "weave", "knit"].map(|key| (key, NOT_WOVEN));
-        root.expect_keys(&["name", "fiber", "sheet", "model", "measure"], &planned)?;
+        let keys = ["name", "fiber", "yarn", "sheet", "weave", "model", "measure"];
+        root.expect_keys(&keys, &[("knit", NOT_KNITTED)])?;
         let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
         let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
-        let sheet = read_sheet(&root.require("sheet")?.table()?, &fibers)?;
+        let structure = read_structure(&root, &fibers)?;
         let mut model = Model::default();
         if let Some(value) = root.get("model") {
-            model.read(&value.table()?)?;
+            model.read(&value.table()?, matches!(structure, Structure::Weave(_)))?;
         }
         let mut measure = Measure::default();
         if let Some(value) = root.get("measure") {
             measure.read(&value.table()?)?;
         }
-        let used = sheet.kinds();
+        let used = structure.kinds();
         let kinds: Vec<(&str, &Absorption)> =
             used.iter().map(|&kind| (fibers[kind].name.as_str(), &fibers[kind].absorption)).collect();
         let channels = resolve(&kinds, &measure.wavelengths).map_err(|Clash { kind, message }| {
@@ -124,6 +125,25 @@ impl Scene {
             };
             place.map_or_else(|| root.error(&message), |value| value.error(&message))
         })?;
-        Ok(Scene { name, text: source.text.clone(), fibers, sheet, channels, model, measure })
+        Ok(Scene { name, text: source.text.clone(), fibers, structure, channels, model, measure })
+    }
+
+    /// Indices of the kinds of fiber that the cloth has, ascending.
+    pub fn kinds(&self) -> Vec<usize> {
+        self.structure.kinds()
+    }
+
+    /// The sheet.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the cloth is woven.
+    pub fn sheet(&self) -> Result<&Sheet> {
+        match &self.structure {
+            Structure::Sheet(sheet) => Ok(sheet),
+            Structure::Weave(_) => {
+                let message = "a woven cloth cannot be measured yet; describe a [sheet]";
+                Err(Error::Input(message.into()))
+            }
+        }
     }
 }

@@ -13,6 +13,9 @@ mod model;
 mod presets;
 mod reader;
 mod sheet;
+mod structure;
+mod weave;
+mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
 pub use load::{Scene, Source};
@@ -21,3 +24,6 @@ pub use model::{Model, Placement, Tracking};
 pub use presets::PRESETS;
 pub use reader::closest;
 pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers};
+pub use structure::Structure;
+pub use weave::Weave;
+pub use yarn::{RadialProfile, Yarn};

@@ -32,7 +32,15 @@ pub struct Model {
     pub directions: u32,
     /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
     pub length_over_radius: f64,
+    /// Cells of the repeat of a weave along x, y and z; none for the program's choice.
+    #[serde(skip)]
+    pub cells: Option<[u32; 3]>,
+    /// Half angle ω in radians of the cone that a direction of a weave is gathered from (paper §5).
+    #[serde(skip)]
+    pub cone: f64,
 }
+
+const KEYS: [&str; 6] = ["tracking", "placement", "directions", "length_over_radius", "cells", "cone_deg"];
 
 impl Default for Model {
     fn default() -> Model {
@@ -41,16 +49,18 @@ impl Default for Model {
             placement: Placement::AtHit,
             directions: 1024,
             length_over_radius: f64::INFINITY,
+            cells: None,
+            cone: 2f64.to_radians(),
         }
     }
 }
 
 impl Model {
-    pub(super) fn read(&mut self, table: &Table) -> Result<()> {
-        let not_woven = "belongs to woven cloth, which is not available yet; leave it out";
-        let planned = ["cells", "cone_deg"].map(|key| (key, not_woven));
-        table.expect_keys(&["tracking", "placement", "directions", "length_over_radius"], &planned)?;
-        for key in ["tracking", "placement", "directions", "length_over_radius"] {
+    pub(super) fn read(&mut self, table: &Table, woven: bool) -> Result<()> {
+        let not_woven = "belongs to a [weave]; leave it out";
+        let (known, planned) = if woven { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(4) };
+        table.expect_keys(known, &planned.iter().map(|key| (*key, not_woven)).collect::<Vec<_>>())?;
+        for key in known {
             if let Some(value) = table.get(key) {
                 self.set(key, &value)?;
             }
@@ -58,14 +68,16 @@ impl Model {
         Ok(())
     }
 
-    /// Replace one setting by a flag's text: `tracking` or `placement`.
+    /// Replace one setting by a flag's text: `tracking`, `placement`, `directions`, `cells` (such as `24x24x8`) or `cone`
+    /// (in degrees), written as in the file or as a bare word.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) naming the flag, what was found and what is allowed.
     pub fn set_from_flag(&mut self, key: &str, text: &str) -> Result<()> {
         let document = Document { file: format!("--{key}"), source: text };
-        let word = toml::Spanned::new(0..text.len(), DeValue::String(text.into()));
-        self.set(key, &Value::alone(&document, key, &word))
+        let word = || toml::Spanned::new(0..text.len(), DeValue::String(text.into()));
+        let value = DeValue::parse(text).unwrap_or_else(|_| word());
+        self.set(key, &Value::alone(&document, key, &value))
     }
 
     fn set(&mut self, key: &str, value: &Value) -> Result<()> {
@@ -78,6 +90,8 @@ impl Model {
                 self.placement = value.choice(&[("at-hit", Placement::AtHit)], &planned)?;
             }
             "directions" => self.directions = read_directions(value)?,
+            "cells" => self.cells = Some(read_cells(value)?),
+            "cone_deg" | "cone" => self.cone = value.number(Allowed::above(0.0, 90.0))?.to_radians(),
             _ if value.is_infinite() => self.length_over_radius = f64::INFINITY,
             _ => {
                 let number = value.number(Allowed::from(1.0, 1e9));
@@ -86,6 +100,20 @@ impl Model {
         }
         Ok(())
     }
+}
+
+fn read_cells(value: &Value) -> Result<[u32; 3]> {
+    let what = "three whole numbers [nx, ny, nz] from 1 to 256";
+    let cells = match (value.as_array(), value.as_string()) {
+        (Some(items), _) => items.iter().map(|item| item.integer(1, 256, what)).collect::<Result<Vec<u32>>>()?,
+        // A flag parts them by x.
+        (None, Some(word)) => {
+            let counts = word.split('x').map(|count| count.parse().ok().filter(|count| (1..=256).contains(count)));
+            counts.collect::<Option<Vec<u32>>>().ok_or_else(|| value.expected(what))?
+        }
+        _ => return Err(value.expected(what)),
+    };
+    cells.try_into().map_err(|_| value.expected(what))
 }
 
 fn read_directions(value: &Value) -> Result<u32> {

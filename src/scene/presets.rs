@@ -1,9 +1,12 @@
 //! Cloth files that come with the program.
 
 /// Names and texts of the presets.
-pub const PRESETS: [(&str, &str); 2] = [
+pub const PRESETS: [(&str, &str); 5] = [
+    ("charmeuse", include_str!("../../assets/cloths/charmeuse.toml")),
+    ("denim", include_str!("../../assets/cloths/denim.toml")),
     ("felt", include_str!("../../assets/cloths/felt.toml")),
     ("nonwoven", include_str!("../../assets/cloths/nonwoven.toml")),
+    ("voile", include_str!("../../assets/cloths/voile.toml")),
 ];
 
 /// The text of a preset.
@@ -19,7 +22,7 @@ mod tests {
     fn presets_have_the_areal_mass_that_their_sources_state() {
         for (name, stated) in [("felt", 814.0), ("nonwoven", 50.0)] {
             let scene = Scene::parse(&Source::find(name).expect("it is a preset")).expect("it is right");
-            let mass = scene.sheet.areal_mass(&scene.fibers).expect("its density is stated");
+            let mass = scene.sheet().expect("it is a sheet").areal_mass(&scene.fibers).expect("its density is stated");
             assert!((mass / stated - 1.0).abs() < 2e-3, "{name}: {mass} g/m²");
         }
     }

@@ -7,10 +7,11 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::path::Path;
 
-const UM: f64 = 1e-3;
+/// µm → mm.
+pub(super) const UM: f64 = 1e-3;
 /// Fibers cannot fill more of the space than this.
-const MAX_VOLUME_FRACTION: f64 = 0.9;
-/// Most kinds of fiber in one sheet: a walk keeps one path length for each.
+pub(super) const MAX_VOLUME_FRACTION: f64 = 0.9;
+/// Most kinds of fiber in one cloth: a walk keeps one path length for each.
 pub const MAX_KINDS: usize = 4;
 
 /// A kind of fiber.
@@ -147,10 +148,6 @@ pub(super) fn read_sheet(table: &Table, fibers: &[Fiber]) -> Result<Sheet> {
         return Err(value.error("the sheet is empty: it needs at least one [[sheet.fibers]]"));
     }
     let sheet = Sheet { thickness, fibers: parts };
-    let found = sheet.kinds().len();
-    if found > MAX_KINDS {
-        return Err(value.error(format!("the sheet has {found} kinds of fiber; allowed: 1 to {MAX_KINDS}")));
-    }
     let v = sheet.volume_fraction(fibers);
     if v > MAX_VOLUME_FRACTION {
         let message = format!(
@@ -166,12 +163,7 @@ fn read_part(table: &Table, fibers: &[Fiber]) -> Result<SheetFibers> {
     let keys = ["fiber", "length_density_per_mm2", "orientation", "axis", "spread_deg"];
     table.expect_keys(&keys, &[])?;
     let value = table.require("fiber")?;
-    let name = value.string()?;
-    let fiber = fibers.iter().position(|fiber| fiber.name == name).ok_or_else(|| {
-        let names: Vec<&str> = fibers.iter().map(|fiber| fiber.name.as_str()).collect();
-        let hint = closest(name, &names).map(|best| format!(", did you mean `{best}`?")).unwrap_or_default();
-        value.error(format!("there is no [fiber.{name}]{hint}; fibers: {}", names.join(", ")))
-    })?;
+    let fiber = find_fiber(&value, value.string()?, fibers)?;
     let length_density = table.require("length_density_per_mm2")?.number(Allowed::above(0.0, 1e8))?;
     let word = table.require("orientation")?;
     let aligned = Orientation::Aligned { axis: DVec3::X, spread: 0.0 };
@@ -186,6 +178,15 @@ fn read_part(table: &Table, fibers: &[Fiber]) -> Result<SheetFibers> {
         return Err(value.error("`axis` and `spread_deg` belong to orientation = \"aligned\""));
     }
     Ok(SheetFibers { fiber, length_density, orientation })
+}
+
+/// The index of a kind of fiber that a value names.
+pub(super) fn find_fiber(value: &Value, name: &str, fibers: &[Fiber]) -> Result<usize> {
+    fibers.iter().position(|fiber| fiber.name == name).ok_or_else(|| {
+        let names: Vec<&str> = fibers.iter().map(|fiber| fiber.name.as_str()).collect();
+        let hint = closest(name, &names).map(|best| format!(", did you mean `{best}`?")).unwrap_or_default();
+        value.error(format!("there is no [fiber.{name}]{hint}; fibers: {}", names.join(", ")))
+    })
 }
 
 fn read_axis(value: &Value) -> Result<DVec3> {

@@ -3,7 +3,7 @@
 use super::alias::AliasTable;
 use crate::concentric::Patch;
 use crate::distribution::SpecificLength;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sheet};
 
 /// A kind of fiber, as the engines see it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +45,9 @@ pub struct SamplingTables {
 }
 
 impl SamplingTables {
-    /// Build the tables of a sheet.
-    pub fn new(scene: &Scene, specific_length: &SpecificLength) -> SamplingTables {
-        let used = scene.sheet.kinds();
+    /// Build the tables of a scene's sheet.
+    pub fn new(scene: &Scene, sheet: &Sheet, specific_length: &SpecificLength) -> SamplingTables {
+        let used = scene.kinds();
         let kinds: Vec<Kind> = used
             .iter()
             .zip(&scene.channels.absorption)
@@ -67,7 +67,7 @@ impl SamplingTables {
         patches.resize(size, patches[0]);
         entry_kinds.resize(size, entry_kinds[0]);
         SamplingTables {
-            thickness: scene.sheet.thickness,
+            thickness: sheet.thickness,
             majorant: 2.0 * weights.iter().sum::<f64>(),
             kinds,
             half_length: scene.model.length_over_radius / 2.0,

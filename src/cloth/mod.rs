@@ -1,0 +1,31 @@
+//! The explicit cloth: the geometry that the distribution calculator counts (paper §5).
+//!
+//! Computes: the axes of the threads of one repeat of a weave, and random draws of all their fibers as straight pieces.
+//!
+//! Inputs: a checked scene with a `[weave]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
+//! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.
+//!
+//! Differs from the paper, which leaves the geometry to its reference [1]:
+//! - Crimp follows from the interlacing. At a crossing the two yarns touch: their axes are (h₁ + h₂)/2 apart, of which
+//!   the warp takes a stated share. From one crossing to the next an axis follows the section of the yarn that it
+//!   crosses, then the common tangent, then the section of the next: the arcs and straight lines of Peirce, "The
+//!   geometry of cloth structure", J. Textile Institute 28, T45 (1937), for elliptical sections. A float is straight.
+//! - The section of a yarn is the same ellipse in every vertical plane across it. A yarn that climbs is sheared, not
+//!   turned: it is thinner by the cosine of its slope, as one that squeezes between its neighbours. For this the gap
+//!   between two yarns has a closed form, and yarns touch without running through each other
+//!   ([`Cloth::largest_penetration`]). The limit: sections do not change from place to place, and where a yarn climbs
+//!   steeply its fibers are packed closer by the same factor ([`Statistics::steepest`]).
+//! - Fibers fill their plies at random and independently (Zhao, Luan, Bala 2016, without migration), so they may
+//!   overlap. Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random
+//!   place, and there its fibers jump.
+
+mod path;
+mod realization;
+mod section;
+mod statistics;
+mod steps;
+mod woven;
+
+pub use realization::Primitive;
+pub use statistics::Statistics;
+pub use woven::{Cloth, System, Thread};

@@ -1,0 +1,125 @@
+//! Where the polylines of the fibers of a thread have their corners.
+
+use super::path::Path;
+
+/// Corners of the table of an axis for each piece of a fiber.
+const FINE: usize = 4;
+/// Parts of an arc or a line that have one step length.
+const PARTS: usize = 24;
+/// Sagitta of a piece in radii of the fiber at most. Between the corners of the table the axis is straight, which adds up
+/// to a sixteenth of it.
+const SAGITTA: f64 = 0.09;
+/// Radians that a fiber turns in a piece, about.
+const TURN: f64 = 0.15;
+/// Step lengths along the axis differ by no more than this times their distance.
+const GRADING: f64 = 0.25;
+/// With that grading, a piece is at most this much longer than the step length of any of its points: (e^¼ − 1)/¼ = 1.14,
+/// and a little for the finite parts.
+const SLACK: f64 = 1.17;
+
+/// A point of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    /// Length of the axis up to here in mm.
+    pub length: f64,
+    /// Distance along the thread's direction in mm.
+    pub along: f64,
+    /// Height in mm.
+    pub height: f64,
+}
+
+/// An axis as a table over the number of pieces, so that the n-th corner is looked up and not searched.
+#[derive(Clone, Debug)]
+pub struct Steps {
+    /// Pieces of a period; not a whole number.
+    pub pieces: f64,
+    /// Points at equal distances in pieces, from 0 to `pieces`.
+    stations: Vec<Station>,
+}
+
+/// What limits the length of a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Radius of the thinnest fiber in mm.
+    pub radius: f64,
+    /// Largest |d²(place in the section)/ds²| that the twist causes, in 1/mm.
+    pub twist: f64,
+    /// Longest piece in mm.
+    pub longest: f64,
+}
+
+impl Limits {
+    /// Step length where the axis has this curvature: a chord of the length d over a curve with |X″| ≤ k lies within k d²/8
+    /// of it.
+    fn step(&self, curvature: f64) -> f64 {
+        let bend = curvature + self.twist;
+        let sagitta = (8.0 * SAGITTA * self.radius / bend).sqrt();
+        sagitta.min(TURN / bend).min(self.longest) / SLACK
+    }
+}
+
+impl Steps {
+    /// Cut an axis.
+    pub fn new(path: &Path, limits: &Limits) -> Steps {
+        let parts = path.elements.iter().flat_map(|element| {
+            let cut = |part: usize| part as f64 / PARTS as f64;
+            (0..PARTS).map(move |part| (element, cut(part), cut(part + 1)))
+        });
+        let lengths: Vec<f64> = parts.clone().map(|(element, start, end)| element.length(start, end)).collect();
+        let curvature = parts.clone().map(|(element, start, end)| element.curvature(start, end));
+        let mut steps: Vec<f64> = curvature.map(|curvature| limits.step(curvature)).collect();
+        grade(&mut steps, &lengths);
+
+        // Lay stations at equal distances in pieces.
+        let counts = lengths.iter().zip(&steps).map(|(length, step)| length / step);
+        let pieces: f64 = counts.clone().sum();
+        let wanted = (pieces * FINE as f64).ceil().max(FINE as f64) as usize;
+        let mut stations = Vec::with_capacity(wanted + 1);
+        let (mut passed, mut length) = (0.0, 0.0);
+        for ((count, part_length), (element, start, end)) in counts.zip(&lengths).zip(parts) {
+            while stations.len() < wanted && pieces * stations.len() as f64 / wanted as f64 <= passed + count {
+                let fraction = (pieces * stations.len() as f64 / wanted as f64 - passed) / count;
+                let point = element.point(start + fraction * (end - start));
+                stations.push(Station { length: length + fraction * part_length, along: point.x, height: point.y });
+            }
+            passed += count;
+            length += part_length;
+        }
+        // Close the period where it began, however the sums were rounded.
+        let first = stations[0];
+        stations.resize(wanted, Station { length, along: first.along + path.period, ..first });
+        stations.push(Station { length, along: first.along + path.period, ..first });
+        Steps { pieces, stations }
+    }
+
+    /// The point of the axis after so many pieces, from 0 to twice [`Steps::pieces`]; past the period it goes on.
+    pub fn at(&self, pieces: f64) -> Station {
+        let intervals = self.stations.len() - 1;
+        let last = self.stations[intervals];
+        let (turn, rest) = if pieces < self.pieces { (0.0, pieces) } else { (1.0, pieces - self.pieces) };
+        let place = (rest / self.pieces * intervals as f64).clamp(0.0, intervals as f64);
+        let index = (place as usize).min(intervals - 1);
+        let (a, b, fraction) = (self.stations[index], self.stations[index + 1], place - index as f64);
+        let mix = |a: f64, b: f64| a + (b - a) * fraction;
+        Station {
+            length: mix(a.length, b.length) + turn * last.length,
+            along: mix(a.along, b.along) + turn * (last.along - self.stations[0].along),
+            height: mix(a.height, b.height),
+        }
+    }
+}
+
+/// Shorten steps beside shorter ones, round the period.
+fn grade(steps: &mut [f64], lengths: &[f64]) {
+    let count = steps.len();
+    let limit = |steps: &mut [f64], from: usize, to: usize| {
+        let apart = 0.5 * (lengths[from] + lengths[to]);
+        steps[to] = steps[to].min(steps[from] + GRADING * apart);
+    };
+    for place in 0..2 * count {
+        limit(steps, place % count, (place + 1) % count);
+    }
+    for place in (0..2 * count).rev() {
+        limit(steps, (place + 1) % count, place % count);
+    }
+}

@@ -10,7 +10,7 @@ use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::Side;
-use fiberwalk::tables::{AliasTable, Kind, SamplingTables};
+use fiberwalk::tables::{AliasTable, Kind, List, SamplingTables};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -93,10 +93,11 @@ fn run(case: &Case) -> (f64, Tally) {
         majorant: case.depth * 4.0 / PI,
         kinds: vec![Kind { radius: 0.01, ior: 1.5, absorption: vec![0.0] }],
         half_length: f64::INFINITY,
+        lists: vec![List { first: 0, alias: AliasTable::new(&vec![1.0; patches.len()]) }],
         entry_kinds: vec![0; patches.len()],
-        alias: AliasTable::new(&vec![1.0; patches.len()]),
         patches,
         patch_unit: grid.unit(),
+        cells: None,
     };
     let disc = DiscBasis { n: 8 };
     let incidence = if case.disc {

@@ -70,8 +70,8 @@ pub struct Prepared {
 pub fn prepare(scene: &Scene) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
     let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-    let specific_length = SpecificLength::of_sheet(&scene.sheet, grid);
-    let tables = SamplingTables::new(scene, &specific_length);
+    let specific_length = SpecificLength::of_sheet(&scene.sheet, grid, |kind| scene.fibers[kind].radius);
+    let tables = SamplingTables::new(scene, &specific_length)?;
     let bytes = memory(&tables, &goniometer);
     if bytes > MAX_BYTES {
         let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());

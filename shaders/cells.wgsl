@@ -33,42 +33,16 @@ fn come_back(place: vec3f) -> vec3f {
     return vec3f(select(inside, vec2f(0.0), inside >= repeat), place.z);
 }
 
-/// A ray among the cells. On a face, the cell is the one that it goes into.
-struct Station {
-    place: vec3f,
-    cell: vec3f,
-}
-
-/// Jump over empty cells, from block to block. `speed` is the direction in edges per mm.
-fn skip_empty(place: vec3f, speed: vec3f) -> vec3f {
-    // A ray that stands still along an axis never comes to a face there.
-    let safe = select(speed, vec3f(1e-12), abs(speed) < vec3f(1e-12));
-    var station = jump(Station(place, cell_of(place)), safe);
-    if JUMPS > 1u {
-        station = jump(station, safe);
-    }
-    if JUMPS > 2u {
-        station = jump(station, safe);
-    }
-    return station.place;
-}
-
-/// Jump over the block of empty cells around a ray, if there is one.
-fn jump(old: Station, speed: vec3f) -> Station {
-    let reach = cell_entry(old.cell).w;
+/// Jump over the block of empty cells around a place, if there is one, on to its face. `reach` is what the cell here says,
+/// `speed` the direction in edges per mm.
+fn skip_empty(place: vec3f, reach: u32, speed: vec3f) -> vec3f {
     let across = f32(i32(reach & 0xffffu));
     let block = vec3f(across, across, f32(i32(reach >> 16u)));
-    // Find the face of the block through which the ray leaves.
-    let ahead = speed > vec3f(0.0);
-    let face = select(old.cell + 1.0 - block, old.cell + block, ahead);
-    let times = (face - old.place) / speed;
+    // Find the face of the block through which the ray leaves; a ray that stands still along an axis never comes to one.
+    let safe = select(speed, vec3f(1e-12), abs(speed) < vec3f(1e-12));
+    let cell = cell_of(place);
+    let face = select(cell + 1.0 - block, cell + block, safe > vec3f(0.0));
+    let times = (face - place) / safe;
     let time = min(times.x, min(times.y, times.z));
-    let leaving = times <= vec3f(time);
-    let place = select(old.place + speed * time, face, leaving);
-    // Beyond that face lies the next cell; count whole repeats in it, where they are exact.
-    let cell = select(floor(place), select(face - 1.0, face, ahead), leaving);
-    let repeats = vec3f(P.counts.xy * floor((cell.xy + 0.5) / P.counts.xy), 0.0);
-    let next = vec3f(cell.xy - repeats.xy, clamp(cell.z, 0.0, P.counts.z - 1.0));
-    let jumps = reach > 0u && old.place.z >= 0.0 && old.place.z <= P.counts.z;
-    return Station(select(old.place, place - repeats, jumps), select(old.cell, next, jumps));
+    return select(place, select(place + safe * time, face, times <= vec3f(time)), reach > 0u);
 }

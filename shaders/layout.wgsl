@@ -87,7 +87,9 @@ struct Lane {
     /// x and y in edges of a cell.
     place: vec2f,
     next_place: vec2f,
-    spare: vec2u,
+    /// How far it is empty around that place, as `cell_entry` says.
+    reach: u32,
+    next_reach: u32,
 }
 
 /// Sums over all lanes; pairs are low and high words.

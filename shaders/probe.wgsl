@@ -76,7 +76,8 @@ fn probe_come_back(@builtin(global_invocation_id) call: vec3u) {
 @compute @workgroup_size(64)
 fn probe_skip_empty(@builtin(global_invocation_id) call: vec3u) {
     P = params;
-    let input = probe_inputs[call.x];
-    let speed = bitcast<vec3f>(input.b.xyz) * P.per_edge.xyz;
-    probe_outputs[call.x] = vec4u(bitcast<vec3u>(skip_empty(bitcast<vec3f>(input.a.xyz), speed)), 0u);
+    let place = bitcast<vec3f>(probe_inputs[call.x].a.xyz);
+    let speed = bitcast<vec3f>(probe_inputs[call.x].b.xyz) * P.per_edge.xyz;
+    let there = skip_empty(place, cell_entry(cell_of(place)).w, speed);
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(there), 0u);
 }

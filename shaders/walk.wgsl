@@ -78,6 +78,7 @@ fn step(lane: ptr<function, Lane>) {
     (*lane).ray = select((*lane).ray, vec4f(turned, site.z), walking);
     if CELLS {
         (*lane).place = select((*lane).place, site.place, walking);
+        (*lane).reach = select((*lane).reach, site.reach, walking);
     }
     (*lane).event = event;
     (*lane).hits += select(0u, 1u, walking && hit);
@@ -93,20 +94,21 @@ struct Site {
     /// The share of the majorant's events, and the list of fibers.
     share: f32,
     list: u32,
+    reach: u32,
 }
 
 /// Fly to the next tentative event.
 fn fly(lane: ptr<function, Lane>, m: vec3f, path: f32) -> Site {
     if CELLS {
         let speed = m * P.per_edge.xyz;
-        let begin = skip_empty(vec3f((*lane).place, (*lane).ray.w), speed);
+        let begin = skip_empty(vec3f((*lane).place, (*lane).ray.w), (*lane).reach, speed);
         let place = come_back(begin + speed * path);
         let inside = place.z >= 0.0 && place.z <= P.counts.z;
         let entry = cell_entry(cell_of(place));
-        return Site(place.z, place.xy, inside, bitcast<f32>(entry.x), entry.z);
+        return Site(place.z, place.xy, inside, bitcast<f32>(entry.x), entry.z, entry.w);
     }
     let z = (*lane).ray.w + m.z * path;
-    return Site(z, vec2f(0.0), z <= 0.0 && z >= -P.thickness, 1.0, 0u);
+    return Site(z, vec2f(0.0), z <= 0.0 && z >= -P.thickness, 1.0, 0u, 0u);
 }
 
 /// Play Russian roulette, every 16 events, with a walk whose brightest channel may have kept little: it goes on with the
@@ -153,6 +155,7 @@ fn change_walk(lane: ptr<function, Lane>) {
     (*lane).next_ready = select((*lane).next_ready, 0u, starting);
     if CELLS {
         (*lane).place = select((*lane).place, (*lane).next_place, starting);
+        (*lane).reach = select((*lane).reach, (*lane).next_reach, starting);
     }
     if ABSORBING {
         (*lane).lengths = select((*lane).lengths, vec4f(0.0), starting);
@@ -222,7 +225,10 @@ fn ready_next(lane: ptr<function, Lane>) {
     let id = vec2u(low, P.base.y + select(0u, 1u, low < P.base.x));
     let words = threefry(P.seed, vec4u(id, 0u, PURPOSE_START));
     (*lane).next = vec4f(start_direction(start, words), start_depth(start));
-    (*lane).next_place = start_place(words);
+    if CELLS {
+        (*lane).next_place = start_place(words);
+        (*lane).next_reach = cell_entry(cell_of(vec3f((*lane).next_place, (*lane).next.w))).w;
+    }
     (*lane).next_id = id;
     (*lane).next_start = start;
     (*lane).next_ready = 1u;

@@ -52,7 +52,7 @@ gpu_struct! {
         pending_id: [u32; 2], pending_start: u32, pending_hits: u32, pending_events: u32, block_start: u32,
         block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], log_gain: f32,
         pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
-        place: [f32; 2], next_place: [f32; 2], spare: [u32; 2],
+        place: [f32; 2], next_place: [f32; 2], reach: u32, next_reach: u32,
     }
 }
 

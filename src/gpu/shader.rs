@@ -4,7 +4,7 @@ use super::layout::{BLOCK, TEXTURE_BITS, UNIFORM_ENTRIES};
 use crate::error::{Error, Result};
 use crate::goniometer::{OUTCOMES, WEIGHT};
 use crate::scene::{MAX_CHANNELS, MAX_KINDS};
-use crate::walk::{JUMPS, Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
+use crate::walk::{Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader of several parts.
@@ -120,7 +120,6 @@ fn constants() -> String {
         ("OUTCOMES", OUTCOMES as u32),
         ("WEIGHT", WEIGHT as u32),
         ("ROULETTE_EVERY", ROULETTE_EVERY),
-        ("JUMPS", JUMPS),
     ];
     let share = format!("const ROULETTE_BELOW: f32 = {ROULETTE_BELOW:?};\n");
     numbers.into_iter().map(constant).collect::<String>() + &share

@@ -1,9 +1,7 @@
 //! Places in the periodic grid of cells, and flights over empty ones.
 
-use super::walk::Witness;
 use crate::distribution::CellGrid;
 use crate::tables::{CellEntry, Cells};
-use crate::walk::JUMPS;
 use glam::DVec3;
 
 /// A ray on its way through the cells.
@@ -30,66 +28,49 @@ impl Station {
     }
 
     /// The cell here.
-    pub fn cell(&self, grid: &CellGrid, witness: &mut impl Witness) -> [u32; 3] {
-        witness.decide(|| self.face_distance(grid, None));
-        [0, 1, 2].map(|axis| clamped(coordinate(grid, self.place, axis).floor() as i64, grid, axis))
+    fn cell(&self, grid: &CellGrid) -> [u32; 3] {
+        [0, 1, 2].map(|axis| {
+            let last = f64::from(grid.counts[axis] - 1);
+            coordinate(grid, self.place, axis).floor().clamp(0.0, last) as u32
+        })
     }
 
     /// What the cell here holds.
-    pub fn look_up<'a>(&self, cells: &'a Cells, witness: &mut impl Witness) -> &'a CellEntry {
-        &cells.entries[cells.grid.index(self.cell(&cells.grid, witness))]
+    pub fn look_up<'a>(&self, cells: &'a Cells) -> &'a CellEntry {
+        &cells.entries[cells.grid.index(self.cell(&cells.grid))]
     }
 
-    /// Jump over empty cells: from block to block, a fixed number of times.
-    pub fn skip_empty(&mut self, cells: &Cells, m: DVec3, witness: &mut impl Witness) {
+    /// Jump over the block of empty cells around the place, if there is one, on to its face.
+    pub fn skip_empty(&mut self, cells: &Cells, m: DVec3) {
         let grid = &cells.grid;
-        let edges = grid.edges();
-        let mut cell = self.cell(grid, witness);
-        for _ in 0..JUMPS {
-            let reach = cells.entries[grid.index(cell)].reach;
-            let outside = self.place.z > 0.0 || self.place.z < -grid.thickness;
-            if reach.across == 0 || outside {
-                return;
-            }
-            let reach = [reach.across, reach.across, reach.along].map(i64::from);
-            // Find the face of the block through which the ray leaves.
-            let mut nearest = (f64::INFINITY, 0, 0.0, 0);
-            for axis in 0..3 {
-                let next = i64::from(cell[axis]) + if m[axis] > 0.0 { reach[axis] } else { -reach[axis] };
-                let lowest = if axis == 2 { -grid.thickness } else { 0.0 };
-                let face = lowest + edges[axis] * (next + i64::from(m[axis] <= 0.0)) as f64;
-                let distance = (face - self.place[axis]) / m[axis];
-                if m[axis] != 0.0 && distance < nearest.0 {
-                    nearest = (distance, axis, face, next);
-                }
-            }
-            let (distance, axis, face, next) = nearest;
-            self.place += m * distance;
-            self.place[axis] = face;
-            // A face that the ray meets at a flat angle blurs where it does.
-            self.blur = self.blur.max(distance / m[axis].abs());
-            witness.decide(|| self.face_distance(grid, Some(axis)));
-            for other in 0..3 {
-                let index = if other == axis { next } else { coordinate(grid, self.place, other).floor() as i64 };
-                if other < 2 {
-                    let count = i64::from(grid.counts[other]);
-                    self.place[other] -= grid.period[other] * index.div_euclid(count) as f64;
-                    cell[other] = index.rem_euclid(count) as u32;
-                } else {
-                    cell[other] = clamped(index, grid, other);
-                }
-            }
+        let cell = self.cell(grid);
+        let reach = cells.entries[grid.index(cell)].reach;
+        if reach.across == 0 {
+            return;
         }
+        // Find the face of the block through which the ray leaves.
+        let face = |axis: usize| {
+            let reach = i64::from([reach.across, reach.across, reach.along][axis]);
+            let beyond = i64::from(cell[axis]) + if m[axis] > 0.0 { reach } else { 1 - reach };
+            beyond as f64 * grid.edges()[axis] - if axis == 2 { grid.thickness } else { 0.0 }
+        };
+        let distance = |axis: usize| (face(axis) - self.place[axis]) / m[axis];
+        let ahead = [0, 1, 2].into_iter().filter(|axis| m[*axis] != 0.0);
+        let Some(first) = ahead.min_by(|a, b| distance(*a).total_cmp(&distance(*b))) else { return };
+        let (path, at) = (distance(first), face(first));
+        self.place += m * path;
+        self.place[first] = at;
+        // A ray meets a face at a flat angle where an error of its direction says.
+        self.blur = self.blur.max(path / m[first].abs());
     }
 
-    /// Distance to the nearest face between two cells, on the scale of the place's error; a face that the ray stands on
-    /// by construction does not count.
-    fn face_distance(&self, grid: &CellGrid, stands_on: Option<usize>) -> f64 {
+    /// Distance to the nearest face between two cells, on the scale of the place's error.
+    pub fn face_distance(&self, grid: &CellGrid) -> f64 {
         let distance = |axis: usize| {
             let coordinate = coordinate(grid, self.place, axis);
             let nearest = coordinate.round();
             let outer = axis == 2 && (nearest <= 0.0 || nearest >= f64::from(grid.counts[2]));
-            let between = grid.counts[axis] > 1 && !outer && stands_on != Some(axis);
+            let between = grid.counts[axis] > 1 && !outer;
             if between { (coordinate - nearest).abs() * grid.edges()[axis] } else { f64::INFINITY }
         };
         [0, 1, 2].map(distance).into_iter().fold(f64::INFINITY, f64::min) / self.blur
@@ -100,8 +81,4 @@ impl Station {
 fn coordinate(grid: &CellGrid, place: DVec3, axis: usize) -> f64 {
     let from = if axis == 2 { place.z + grid.thickness } else { place[axis] };
     from / grid.edges()[axis]
-}
-
-fn clamped(index: i64, grid: &CellGrid, axis: usize) -> u32 {
-    index.clamp(0, i64::from(grid.counts[axis]) - 1) as u32
 }

@@ -90,6 +90,7 @@ pub(super) fn walk(
     let homogeneous = CellGrid::homogeneous(tables.thickness);
     let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
     let mut station = Station::start(grid, (start_place(words) * grid.period).extend(z));
+    witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
     let roulette = plan.roulette && tables.absorbing();
     let mut walked = Walked {
         record: WalkRecord { bin: 0, events: 0, hits: 0 },
@@ -102,7 +103,7 @@ pub(super) fn walk(
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
         walked.record.events = event + 1;
         if let Some(cells) = &tables.cells {
-            station.skip_empty(cells, m, witness);
+            station.skip_empty(cells, m);
         }
         // Fly to the next tentative event.
         station.fly(grid, m, free_path(tables, &draws));
@@ -117,7 +118,8 @@ pub(super) fn walk(
         let (share, list) = match &tables.cells {
             None => (1.0, 0),
             Some(cells) => {
-                let cell = station.look_up(cells, witness);
+                witness.decide(|| station.face_distance(grid));
+                let cell = station.look_up(cells);
                 (cell.share, cell.list)
             }
         };

@@ -8,8 +8,6 @@ use crate::tables::SamplingTables;
 pub const ROULETTE_EVERY: u32 = 16;
 /// Roulette is played when the brightest channel may have kept less than this share of the light.
 pub const ROULETTE_BELOW: f64 = 0.25;
-/// Blocks of empty cells that a ray may jump over before each flight.
-pub const JUMPS: u32 = 2;
 /// A walk is given up after this many tentative events.
 pub const MAX_EVENTS: u32 = 1 << 24;
 

@@ -1,8 +1,12 @@
-//! Speed of the engines, in alternation, with spread: `cargo bench --bench engines [-- ROUNDS]`.
+//! Speed of the engines, in alternation, with spread: `cargo bench --bench engines [-- ROUNDS [NAME]]`; NAME leaves rows
+//! out whose name does not contain it.
 //!
 //! Isotropic fibers of index 1.5 at optical depths H·d = 0.5, 4 and 32 (H is the true total specific visible area, not
 //! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, and let walks
 //! start in the middle of their incident cells instead of at random, and read directions from a texture. Each figure is the median over the rounds, with the smallest and the largest.
+//! The weaves are grids of cells, open and dense.
+
+mod weaves;
 
 use fiberwalk::concentric::Patch;
 use fiberwalk::distribution::DirectionGrid;
@@ -10,10 +14,11 @@ use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::Side;
-use fiberwalk::tables::{AliasTable, Kind, SamplingTables};
+use fiberwalk::tables::{AliasTable, Kind, List, SamplingTables};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
 use std::f64::consts::PI;
+use std::rc::Rc;
 use std::time::Instant;
 
 /// One row of the table.
@@ -21,7 +26,7 @@ struct Case<'a> {
     name: String,
     /// None for the cpu engine.
     gpu: Option<&'a Gpu>,
-    depth: f64,
+    tables: Rc<SamplingTables>,
     disc: bool,
     jitter: bool,
     texture: bool,
@@ -36,7 +41,11 @@ fn main() {
         Err(error) => println!("no gpu rows: {error}"),
     }
     let gpu = gpu.ok();
-    let cases = cases(gpu.as_ref());
+    let wanted =
+        std::env::args().skip(1).find(|argument| !argument.starts_with('-') && argument.parse::<u32>().is_err());
+    let mut cases = cases(gpu.as_ref());
+    cases.extend(weave_cases(gpu.as_ref()));
+    cases.retain(|case| wanted.as_ref().is_none_or(|name| case.name.contains(name)));
     println!("{rounds} rounds in alternation; median (smallest, largest)");
     let mut seconds = vec![Vec::new(); cases.len()];
     let mut tallies: Vec<Option<Tally>> = cases.iter().map(|_| None).collect();
@@ -63,10 +72,11 @@ fn main() {
 fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     let mut cases = Vec::new();
     for (depth, walks) in [(0.5, 8_000_000), (4.0, 4_000_000), (32.0, 500_000)] {
+        let tables = Rc::new(sheet(depth));
         let plain = |name: &str, gpu, walks| Case {
             name: format!("{name}, H d = {depth}"),
             gpu,
-            depth,
+            tables: Rc::clone(&tables),
             disc: true,
             jitter: true,
             texture: false,
@@ -84,20 +94,54 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     cases
 }
 
-fn run(case: &Case) -> (f64, Tally) {
-    let n = 32;
-    let grid = DirectionGrid { n };
+/// Cells of an open plain weave and of a dense twill.
+fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
+    let mut cases = Vec::new();
+    for (name, weave, walks) in [("voile", weaves::VOILE, 2_000_000), ("denim", weaves::DENIM, 500_000)] {
+        let tables = Rc::new(weave.tables());
+        if let Some(cells) = &tables.cells {
+            let empty =
+                cells.entries.iter().filter(|cell| cell.share == 0.0).count() as f64 / cells.entries.len() as f64;
+            println!(
+                "{name}: {} cells, {empty:.2} of them empty, {} entries, majorant depth {:.1}",
+                cells.entries.len(),
+                tables.patches.len(),
+                tables.majorant * tables.thickness
+            );
+        }
+        let case = |engine: &str, gpu, walks| Case {
+            name: format!("{engine}, {name}"),
+            gpu,
+            tables: Rc::clone(&tables),
+            disc: true,
+            jitter: true,
+            texture: false,
+            walks,
+        };
+        cases.push(case("cpu", None, walks / 8));
+        cases.extend(gpu.map(|gpu| case("gpu", Some(gpu), walks)));
+    }
+    cases
+}
+
+fn sheet(depth: f64) -> SamplingTables {
+    let grid = DirectionGrid { n: 32 };
     let patches: Vec<Patch> = grid.cells().collect();
-    let tables = SamplingTables {
+    SamplingTables {
         thickness: 1.0,
-        majorant: case.depth * 4.0 / PI,
+        majorant: depth * 4.0 / PI,
         kinds: vec![Kind { radius: 0.01, ior: 1.5, absorption: vec![0.0] }],
         half_length: f64::INFINITY,
+        lists: vec![List { first: 0, alias: AliasTable::new(&vec![1.0; patches.len()]) }],
         entry_kinds: vec![0; patches.len()],
-        alias: AliasTable::new(&vec![1.0; patches.len()]),
         patches,
         patch_unit: grid.unit(),
-    };
+        cells: None,
+    }
+}
+
+fn run(case: &Case) -> (f64, Tally) {
+    let tables = &case.tables;
     let disc = DiscBasis { n: 8 };
     let incidence = if case.disc {
         Incidence::Disc(disc)
@@ -110,8 +154,8 @@ fn run(case: &Case) -> (f64, Tally) {
     let started = Instant::now();
     let settings = Settings { table_in_texture: Some(case.texture), ..Settings::default() };
     let result = match case.gpu {
-        Some(gpu) => gpu.run_with(settings, &tables, &goniometer, &plan, &mut |_| {}).map(|(tally, _)| tally),
-        None => Reference.run(&tables, &goniometer, &plan, &mut |_| {}),
+        Some(gpu) => gpu.run_with(settings, tables, &goniometer, &plan, &mut |_| {}).map(|(tally, _)| tally),
+        None => Reference.run(tables, &goniometer, &plan, &mut |_| {}),
     };
     match result {
         Ok(tally) => (started.elapsed().as_secs_f64(), tally),

@@ -1,5 +1,5 @@
 // Where walks start and where they are counted.
-// uses: layout, rng, concentric
+// uses: layout, rng, concentric, cells
 
 /// Incident directions are a list, not cells.
 override LISTED: bool = false;
@@ -17,9 +17,15 @@ fn start_direction(start: u32, words: vec4u) -> vec3f {
     return -vec3f(azimuth.xy * radius, entry.z * sqrt((1.0 - radius) * (1.0 + radius)));
 }
 
-/// The depth at which a walk of a start sets out, in mm.
+/// The depth at which a walk of a start sets out, in mm; among cells, its height above the back in edges.
 fn start_depth(start: u32) -> f32 {
-    return select(-P.thickness, 0.0, start < P.front_starts);
+    let front = start < P.front_starts;
+    return select(select(-P.thickness, 0.0, front), select(0.0, P.counts.z, front), CELLS);
+}
+
+/// Where in the repeat a walk sets out, in edges of a cell.
+fn start_place(words: vec4u) -> vec2f {
+    return P.counts.xy * vec2f(uniform_open(words.z), uniform_open(words.w));
 }
 
 /// The bin of a walk that left along m: reflection cells, transmission cells, direct, lost, ended by roulette.

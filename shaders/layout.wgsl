@@ -41,11 +41,14 @@ struct Params {
     kinds: array<vec4f, MAX_KINDS>,
     /// By kind of fiber: the least absorption of any channel, in 1/mm.
     clearest: vec4f,
+    /// Cells along x, y and z, and how many of them come on a mm.
+    counts: vec4f,
+    per_edge: vec4f,
 }
 
 /// A lane: one walk under way, one that waits to be counted, one that waits to start.
 struct Lane {
-    /// m, and depth z in mm.
+    /// m, and depth z in mm; among cells, the height above the back in edges of a cell.
     ray: vec4f,
     id: vec2u,
     start: u32,
@@ -81,7 +84,12 @@ struct Lane {
     roulette_ready: u32,
     base_exits: u32,
     pending_base_exits: u32,
-    spare: vec2u,
+    /// x and y in edges of a cell.
+    place: vec2f,
+    next_place: vec2f,
+    /// How far it is empty around that place, as `cell_entry` says.
+    reach: u32,
+    next_reach: u32,
 }
 
 /// Sums over all lanes; pairs are low and high words.
@@ -117,6 +125,9 @@ struct Trace {
 @group(0) @binding(7) var<storage, read_write> traces: array<Trace>;
 /// Absorption in 1/mm by channel and kind of fiber.
 @group(0) @binding(8) var<uniform> absorption: array<vec4f, MAX_CHANNELS>;
+/// Cells of the cloth, as `cell_entry` says.
+@group(0) @binding(9) var<uniform> cells_uniform: array<vec4u, UNIFORM_ENTRIES>;
+@group(0) @binding(10) var cells_texture: texture_2d<u32>;
 
 /// Kinds of fiber.
 override KINDS: u32 = 1;

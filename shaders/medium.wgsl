@@ -1,5 +1,5 @@
 // Flights and fibers (paper section 4), by null collisions.
-// uses: layout, rng, concentric
+// uses: layout, rng, concentric, cells
 
 /// The direction table is a texture, not a uniform buffer.
 override TABLE_IN_TEXTURE: bool = false;
@@ -22,12 +22,15 @@ fn table_entry(index: u32) -> vec4u {
     return table_uniform[index];
 }
 
-/// The entry that a word draws from the alias table.
-fn table_index(word: u32) -> u32 {
-    let mask = (1u << P.threshold_bits) - 1u;
-    let slot = word >> P.threshold_bits;
-    let packed = table_entry(slot).w;
-    return select(packed >> P.threshold_bits, slot, (word & mask) < (packed & mask));
+/// The entry that a word draws from the alias table of a list: its first entry (24 bits) and index bits. A medium without
+/// cells has one list.
+fn table_index(word: u32, list: u32) -> u32 {
+    let first = select(0u, list & 0xffffffu, CELLS);
+    let threshold_bits = select(P.threshold_bits, 32u - (list >> 24u), CELLS);
+    let mask = (1u << threshold_bits) - 1u;
+    let slot = word >> threshold_bits;
+    let packed = table_entry(first + slot).w;
+    return first + select(packed >> threshold_bits, slot, (word & mask) < (packed & mask));
 }
 
 /// A fiber: its direction and its kind.
@@ -36,9 +39,9 @@ struct Fiber {
     kind: u32,
 }
 
-/// The direction p and the kind of the fiber at a tentative event, drawn together with weight R f.
-fn draw_fiber(words: vec4u) -> Fiber {
-    let entry = table_entry(table_index(words.y));
+/// The direction p and the kind of the fiber at a tentative event in a cell with this list, drawn together with weight R f.
+fn draw_fiber(words: vec4u, list: u32) -> Fiber {
+    let entry = table_entry(table_index(words.y, list));
     if !JITTER {
         return Fiber(bitcast<vec3f>(entry.xyz), entry.z & 3u);
     }

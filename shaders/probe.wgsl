@@ -1,5 +1,5 @@
 // One entry point for each function, for tests: numbered input words, one output record.
-// uses: layout, rng, concentric, medium, cylinder, goniometer
+// uses: layout, rng, concentric, cells, medium, cylinder, goniometer
 
 /// Inputs of one call.
 struct ProbeInput {
@@ -26,12 +26,13 @@ fn probe_free_path(@builtin(global_invocation_id) call: vec3u) {
     probe_outputs[call.x] = vec4u(bitcast<u32>(free_path(probe_inputs[call.x].a.x)), 0u, 0u, 0u);
 }
 
-/// a = words of an event.
+/// a = words of an event, b.x = list: first entry and index bits.
 @compute @workgroup_size(64)
 fn probe_draw_fiber(@builtin(global_invocation_id) call: vec3u) {
     P = params;
     let words = probe_inputs[call.x].a;
-    probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words).p), table_index(words.y));
+    let list = probe_inputs[call.x].b.x;
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words, list).p), table_index(words.y, list));
 }
 
 /// a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32), c.x = kind; gives m and the path in radii, negative when the light
@@ -61,4 +62,22 @@ fn probe_exit_bin(@builtin(global_invocation_id) call: vec3u) {
     P = params;
     let input = probe_inputs[call.x];
     probe_outputs[call.x] = vec4u(exit_bin(input.b.y, bitcast<vec3f>(input.a.xyz), input.b.x), 0u, 0u, 0u);
+}
+
+/// a.xyz = place in edges of a cell (f32); gives the place in the repeat, and the cell's index.
+@compute @workgroup_size(64)
+fn probe_come_back(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let place = come_back(bitcast<vec3f>(probe_inputs[call.x].a.xyz));
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(place), cell_index(cell_of(place)));
+}
+
+/// a.xyz = place in edges of a cell, b.xyz = m (all f32).
+@compute @workgroup_size(64)
+fn probe_skip_empty(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let place = bitcast<vec3f>(probe_inputs[call.x].a.xyz);
+    let speed = bitcast<vec3f>(probe_inputs[call.x].b.xyz) * P.per_edge.xyz;
+    let there = skip_empty(place, cell_entry(cell_of(place)).w, speed);
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(there), 0u);
 }

@@ -1,5 +1,5 @@
 // The kernel: one flat loop, one tentative event of one walk per lane and pass.
-// uses: layout, rng, medium, cylinder, goniometer, score
+// uses: layout, rng, cells, medium, cylinder, goniometer, score
 
 override WORKGROUP: u32 = 64;
 /// Passes of a dispatch.
@@ -47,19 +47,19 @@ fn walk(@builtin(global_invocation_id) invocation: vec3u) {
 fn step(lane: ptr<function, Lane>) {
     let walking = (*lane).state == WALKING;
     let words = threefry(P.seed, vec4u((*lane).id, (*lane).event, PURPOSE_EVENT));
-    // Fly to the next tentative event.
     let m = (*lane).ray.xyz;
-    let z = (*lane).ray.w + m.z * free_path(words.x);
-    let inside = z <= 0.0 && z >= -P.thickness;
+    let site = fly(lane, m, free_path(words.x));
     // Draw the fiber there and see whether the ray hits it.
-    let fiber = draw_fiber(words);
+    let fiber = draw_fiber(words, site.list);
     let across = cross(m, fiber.p);
     let visible = max(length(across), 1e-12);
+    let seen = select(visible, max(site.share * visible, 1e-12), CELLS);
     let accept = uniform_open(words.z);
-    let hit = inside && accept < visible;
+    let inside = site.inside;
+    let hit = inside && accept < seen;
     let offset = 2.0 * uniform_open(words.w) - 1.0;
     // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
-    let number = select(0.0, accept / visible, hit);
+    let number = select(0.0, accept / seen, hit);
     let optics = kind_optics(fiber.kind);
     let passage = scatter(m, fiber.p, across, visible, optics, offset, number);
     if ABSORBING {
@@ -75,11 +75,40 @@ fn step(lane: ptr<function, Lane>) {
     let lost = inside && event >= P.max_events;
     var turned = select(select(m, passage.m, hit), vec3f(0.0), lost);
     turned = select(turned, vec3f(2.0, 0.0, 0.0), ended);
-    (*lane).ray = select((*lane).ray, vec4f(turned, z), walking);
+    (*lane).ray = select((*lane).ray, vec4f(turned, site.z), walking);
+    if CELLS {
+        (*lane).place = select((*lane).place, site.place, walking);
+        (*lane).reach = select((*lane).reach, site.reach, walking);
+    }
     (*lane).event = event;
     (*lane).hits += select(0u, 1u, walking && hit);
     (*lane).state = select((*lane).state, LEFT, walking && (!inside || lost || ended));
     change_walk(lane);
+}
+
+/// Where a flight has come to an end, and what is there.
+struct Site {
+    z: f32,
+    place: vec2f,
+    inside: bool,
+    /// The share of the majorant's events, and the list of fibers.
+    share: f32,
+    list: u32,
+    reach: u32,
+}
+
+/// Fly to the next tentative event.
+fn fly(lane: ptr<function, Lane>, m: vec3f, path: f32) -> Site {
+    if CELLS {
+        let speed = m * P.per_edge.xyz;
+        let begin = skip_empty(vec3f((*lane).place, (*lane).ray.w), (*lane).reach, speed);
+        let place = come_back(begin + speed * path);
+        let inside = place.z >= 0.0 && place.z <= P.counts.z;
+        let entry = cell_entry(cell_of(place));
+        return Site(place.z, place.xy, inside, bitcast<f32>(entry.x), entry.z, entry.w);
+    }
+    let z = (*lane).ray.w + m.z * path;
+    return Site(z, vec2f(0.0), z <= 0.0 && z >= -P.thickness, 1.0, 0u, 0u);
 }
 
 /// Play Russian roulette, every 16 events, with a walk whose brightest channel may have kept little: it goes on with the
@@ -124,6 +153,10 @@ fn change_walk(lane: ptr<function, Lane>) {
     (*lane).event = select((*lane).event, 0u, starting);
     (*lane).hits = select((*lane).hits, 0u, starting);
     (*lane).next_ready = select((*lane).next_ready, 0u, starting);
+    if CELLS {
+        (*lane).place = select((*lane).place, (*lane).next_place, starting);
+        (*lane).reach = select((*lane).reach, (*lane).next_reach, starting);
+    }
     if ABSORBING {
         (*lane).lengths = select((*lane).lengths, vec4f(0.0), starting);
         (*lane).log_gain = select((*lane).log_gain, 0.0, starting);
@@ -192,6 +225,10 @@ fn ready_next(lane: ptr<function, Lane>) {
     let id = vec2u(low, P.base.y + select(0u, 1u, low < P.base.x));
     let words = threefry(P.seed, vec4u(id, 0u, PURPOSE_START));
     (*lane).next = vec4f(start_direction(start, words), start_depth(start));
+    if CELLS {
+        (*lane).next_place = start_place(words);
+        (*lane).next_reach = cell_entry(cell_of(vec3f((*lane).next_place, (*lane).next.w))).w;
+    }
     (*lane).next_id = id;
     (*lane).next_start = start;
     (*lane).next_ready = 1u;

@@ -3,10 +3,13 @@
 
 mod common;
 
-use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
+use common::cells::{CellCloth, list_of};
+use common::{Cloth, ISOTROPIC, Kind, PLANAR, SplitMix, aligned, assert_ran, gpu, rgb};
+use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::{Replay, Walked, replay};
+use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{WalkPlan, WalkRecord};
 
 /// Rounding errors of a walk stay below this share of a decision's scale: a few ulps of f32, 1.2e-7 each, for each of
@@ -21,15 +24,21 @@ struct Comparison {
     agreeing: Vec<f64>,
 }
 
-/// Make walks on the device with `cloth`, and once more in f64 with `other`.
-fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
-    let plan = WalkPlan::new(11, walks_per_cell);
+type Setup = (SamplingTables, Goniometer);
+
+fn setup(cloth: &Cloth) -> Setup {
     let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
+    (tables, goniometer)
+}
+
+/// Make walks on the device with one setup, and once more in f64 with another.
+fn compare((tables, goniometer): Setup, other: Setup, walks_per_cell: u64) -> Comparison {
+    let plan = WalkPlan::new(11, walks_per_cell);
     let settings = Settings { walks_per_segment: Some(walks_per_cell / 2), ..Settings::default() };
     let (tally, records) = gpu().trace(settings, &tables, &goniometer, &plan).expect("the device works");
     assert_ran(&tally, "gpu");
-    let Prepared { tables, goniometer, .. } = prepare(&other.scene()).expect("the cloth is fine");
-    let cells = goniometer.incident_cells();
+    let (tables, goniometer) = other;
+    let cells = goniometer.starts();
     let mut result = Comparison { walks: records.len(), differing: Vec::new(), agreeing: Vec::new() };
     let mut bins = vec![0; tally.bins.len()];
     for (slot, record) in records.iter().enumerate() {
@@ -52,7 +61,11 @@ fn compare(cloth: &Cloth, other: &Cloth, walks_per_cell: u64) -> Comparison {
 }
 
 fn check(cloth: &Cloth, walks_per_cell: u64, most: f64) {
-    let Comparison { walks, differing, agreeing } = compare(cloth, cloth, walks_per_cell);
+    check_setup(setup(cloth), walks_per_cell, most);
+}
+
+fn check_setup(setup: Setup, walks_per_cell: u64, most: f64) {
+    let Comparison { walks, differing, agreeing } = compare(setup.clone(), setup, walks_per_cell);
     let share = differing.len() as f64 / walks as f64;
     assert!(share < most, "{share:.1e} of {walks} walks differ");
     let far: Vec<&f64> = differing.iter().filter(|tie| **tie > NEAR).collect();
@@ -84,7 +97,57 @@ fn mixed_sheets_lit_from_listed_directions_agree_too() {
 fn a_bent_index_differs_in_one_walk_of_ten() {
     let cloth = Cloth::isotropic(4.0);
     let bent = Cloth { ior: 1.505, ..cloth.clone() };
-    let Comparison { walks, differing, .. } = compare(&cloth, &bent, 64);
+    let Comparison { walks, differing, .. } = compare(setup(&cloth), setup(&bent), 64);
     assert!(differing.len() as f64 > 0.1 * walks as f64, "only {} of {walks} differ", differing.len());
     assert!(differing.iter().filter(|tie| **tie > NEAR).count() > 100, "all of them were near a decision");
+}
+
+/// Cells at random: seven of ten empty, in clumps, densities over a factor of 10, two kinds that absorb, three lists.
+fn random_cells(seed: u64) -> CellCloth {
+    let mut random = SplitMix(seed);
+    let second = Kind {
+        radius_um: 6.0,
+        ior: 1.33,
+        absorption: rgb([0.5, 3.0, 9.0]),
+        length_density: 40.0,
+        orientation: aligned([0.1, 0.9, 0.2]),
+    };
+    let base = Cloth {
+        absorption: rgb([2.0, 1.0, 0.2]),
+        sides: "[\"front\", \"back\"]".into(),
+        ..Cloth::new(60.0, ISOTROPIC)
+    };
+    let mixed = Cloth { more_kinds: vec![second], ..base.clone() }.lit_from("[[12, 10], [47, 100], [83, -130]]");
+    let lists = [ISOTROPIC.to_owned(), PLANAR.to_owned(), aligned([0.6, 0.0, 0.8])]
+        .map(|orientation| list_of(&Cloth { fibers: vec![(60.0, orientation)], ..mixed.clone() }));
+    let mut cells = CellCloth::new(mixed, [9, 7, 6], [1.3, 0.9], |_| 0.0);
+    let clumps: Vec<[u32; 3]> = (0..9).map(|_| [9, 7, 6].map(|count: u64| (random.word() % count) as u32)).collect();
+    for (index, place) in cells.grid().places().enumerate() {
+        let near = clumps.iter().any(|clump| (0..3).all(|axis| clump[axis].abs_diff(place[axis]) <= 1));
+        if near && random.uniform() < 0.8 {
+            cells.cells[index] = (0.5 + 4.5 * random.uniform(), (random.word() % 3) as u32);
+        }
+    }
+    CellCloth { lists: lists.to_vec(), ..cells }
+}
+
+#[test]
+fn walks_through_cells_agree() {
+    for seed in [1, 2] {
+        let cells = random_cells(seed);
+        let empty = cells.cells.iter().filter(|cell| cell.0 == 0.0).count() as f64 / cells.cells.len() as f64;
+        assert!(empty > 0.5 && empty < 0.9, "{empty} of the cells are empty");
+        check_setup(cells.prepare(), 20_000, 1e-4);
+    }
+}
+
+#[test]
+fn a_cell_that_is_one_percent_denser_is_noticed() {
+    let cells = random_cells(1);
+    let mut bent = cells.clone();
+    bent.cells.iter_mut().filter(|cell| cell.0 > 0.0).step_by(10).for_each(|cell| cell.0 *= 1.01);
+    let Comparison { walks, differing, .. } = compare(cells.prepare(), bent.prepare(), 20_000);
+    let far = differing.iter().filter(|tie| **tie > NEAR).count();
+    println!("{far} of {walks} walks differ far from a decision");
+    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
 }

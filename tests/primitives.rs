@@ -43,7 +43,7 @@ fn rounded(v: DVec3) -> DVec3 {
 fn probe(cloth: &Cloth, in_texture: bool, entry: &str, inputs: &[ProbeInput]) -> Vec<[u32; 4]> {
     let Prepared { tables, goniometer, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
     let mut probe = Probe::new(gpu(), &tables, &goniometer);
-    probe.table_in_texture = in_texture;
+    probe.in_texture = in_texture;
     probe.call(entry, inputs).expect("the device works")
 }
 
@@ -98,7 +98,7 @@ fn draw_fiber_takes_the_same_entry_and_direction_from_uniforms_and_textures() {
         let Prepared { tables, .. } = prepare(&cloth.scene()).expect("the cloth is fine");
         for (input, output) in inputs.iter().zip(probe(cloth, in_texture, "probe_draw_fiber", &inputs)) {
             let draws = EventDraws::new(input.a);
-            let entry = tables.alias.draw(draws.entry);
+            let entry = tables.draw_entry(0, draws.entry);
             assert_eq!(output[3] as usize, entry, "the entry is drawn in integers and must be the same");
             let p = fiberwalk::distribution::direction_of(tables.patches[entry].at(draws.jitter));
             let error = (vector(output) - p).length();

@@ -53,12 +53,12 @@ fn check_all(shader: &Shader) -> usize {
 
 #[test]
 fn the_kernel_runs_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::walk()), 128, "one entry point, seven flags");
+    assert_eq!(check_all(&Shader::walk()), 512, "one entry point, nine flags");
 }
 
 #[test]
 fn the_probes_run_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::probe()), 6 * 16, "six entry points, four flags");
+    assert_eq!(check_all(&Shader::probe()), 8 * 64, "eight entry points, six flags");
 }
 
 #[test]

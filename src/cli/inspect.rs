@@ -66,7 +66,7 @@ fn medium(scene: &Scene, sheet: &Sheet, prepared: &Prepared) -> String {
         // Light from the middle between x and y.
         let (sin, cos) = theta.to_radians().sin_cos();
         let m = -DVec3::new(sin / 2f64.sqrt(), sin / 2f64.sqrt(), cos);
-        let depth = specific_length.visible_area(m, |kind| scene.fibers[kind].radius) * sheet.thickness;
+        let depth = specific_length.visible_area(0, m, |kind| scene.fibers[kind].radius) * sheet.thickness;
         let direct = (-depth / cos).exp();
         let _ = writeln!(text, "light at {theta:2}°      optical depth {:.3}, direct light {direct:.3e}", depth / cos);
     }

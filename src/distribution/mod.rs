@@ -1,6 +1,7 @@
 //! Specific length of fibers by direction (paper §3).
 //!
-//! Computes: how many millimetres of fiber a cubic millimetre of the sheet holds, by direction, as a list of bundles.
+//! Computes: how many millimetres of fiber a cubic millimetre of the cloth holds, by place and direction: a periodic grid of
+//! cells, each with a density and a list of bundles of directions.
 //!
 //! Inputs: the checked sheet (densities in mm/mm³, axes as unit vectors, spreads in radians), and the number of cells
 //! of the direction grid.
@@ -11,8 +12,10 @@
 //!   entries of their own, with no smear.
 //! - Fiber and direction are drawn together from one table, so kinds of fiber may share a direction.
 
+mod cells;
 mod directions;
 mod sheet;
 
+pub use cells::{Cell, CellGrid};
 pub use directions::{DirectionGrid, direction_of, square_of};
-pub use sheet::{Bundle, SpecificLength};
+pub use sheet::{Bundle, SpecificLength, surface};

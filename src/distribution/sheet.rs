@@ -1,5 +1,6 @@
 //! The specific length of a statistically homogeneous sheet.
 
+use super::cells::{Cell, CellGrid};
 use super::directions::{DirectionGrid, direction_of, horizon, square_of};
 use crate::concentric::Patch;
 use crate::scene::{Orientation, Sheet};
@@ -21,25 +22,30 @@ pub struct Bundle {
     pub kind: usize,
     /// Where their directions lie.
     pub patch: Patch,
-    /// F of the patch, ∫f dΩ, in mm/mm³.
+    /// F of the patch, ∫f dΩ, in mm/mm³; in a list that cells share, up to a factor.
     pub length_density: f64,
 }
 
-/// f(p) of one cell of the medium (paper §3).
+/// f(p, x) of a cloth (paper §3): a grid of cells, each with a density and a list of bundles that cells may share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpecificLength {
     /// The grid from which the patches were taken.
     pub grid: DirectionGrid,
-    /// The bundles; entries of equal patch and kind are merged.
-    pub bundles: Vec<Bundle>,
+    /// Where the cells lie.
+    pub cells: CellGrid,
+    /// What they hold, by index.
+    pub values: Vec<Cell>,
+    /// Lists of bundles with their relative shares: the surface of a cell sets the scale.
+    pub lists: Vec<Vec<Bundle>>,
     /// Largest |H(tabulated) − H(stated)| found of any spread bundle over rays m, relative to its largest H.
     pub spread_error: f64,
 }
 
 impl SpecificLength {
-    /// Tabulate a sheet.
-    pub fn of_sheet(sheet: &Sheet, grid: DirectionGrid) -> SpecificLength {
-        let mut result = SpecificLength { grid, bundles: Vec::new(), spread_error: 0.0 };
+    /// Tabulate a sheet: one cell with one list; `radius` gives R of a kind of fiber in mm.
+    pub fn of_sheet(sheet: &Sheet, grid: DirectionGrid, radius: impl Fn(usize) -> f64) -> SpecificLength {
+        let mut bundles: Vec<Bundle> = Vec::new();
+        let mut spread_error: f64 = 0.0;
         let mut places = HashMap::new();
         for fibers in &sheet.fibers {
             let parts = match fibers.orientation {
@@ -55,37 +61,61 @@ impl SpecificLength {
                     let near = cone_points(axis, (spread + 2.0 * grid.cell_angle()).min(PI / 2.0));
                     let rays = cone_points(DVec3::Z, PI / 2.0).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
                     let error = visible_area_error(&parts, &cone, rays.chain([axis]));
-                    result.spread_error = result.spread_error.max(error);
+                    spread_error = spread_error.max(error);
                     parts
                 }
             };
             for (patch, share) in parts {
                 // Merge fibers of one kind that share a patch.
-                let place = *places.entry((fibers.fiber, patch.key())).or_insert(result.bundles.len());
-                if place == result.bundles.len() {
-                    result.bundles.push(Bundle { kind: fibers.fiber, patch, length_density: 0.0 });
+                let place = *places.entry((fibers.fiber, patch.key())).or_insert(bundles.len());
+                if place == bundles.len() {
+                    bundles.push(Bundle { kind: fibers.fiber, patch, length_density: 0.0 });
                 }
-                result.bundles[place].length_density += fibers.length_density * share;
+                bundles[place].length_density += fibers.length_density * share;
             }
         }
-        result
+        let surface = surface(&bundles, radius);
+        SpecificLength {
+            grid,
+            cells: CellGrid::homogeneous(sheet.thickness),
+            values: vec![Cell { surface, placement: 1.0, list: 0 }],
+            lists: vec![bundles],
+            spread_error,
+        }
     }
 
-    /// H(m) = Σ 2 R ∫|m × p| f dΩ in 1/mm (paper §3), by the midpoints of 8 × 8 parts of each patch; `radius` gives R of a
-    /// kind of fiber in mm.
-    pub fn visible_area(&self, m: DVec3, radius: impl Fn(usize) -> f64) -> f64 {
+    /// H(m) = Σ 2 R ∫|m × p| f dΩ of a cell in 1/mm (paper §3), by the midpoints of 8 × 8 parts of each patch; `radius`
+    /// gives R of a kind of fiber in mm.
+    pub fn visible_area(&self, cell: usize, m: DVec3, radius: impl Fn(usize) -> f64) -> f64 {
         let part = |bundle: &Bundle| {
             let middles = (0..64).map(|i| (DVec2::new(f64::from(i % 8), f64::from(i / 8)) + 0.5) / 8.0);
             let sines = middles.map(|place| m.cross(direction_of(bundle.patch.at(place))).length());
             2.0 * radius(bundle.kind) * bundle.length_density * sines.sum::<f64>() / 64.0
         };
-        self.bundles.iter().map(part).sum()
+        self.scale(cell, &radius) * self.bundles(cell).iter().map(part).sum::<f64>()
     }
 
-    /// F = ∫f dΩ over E⁺, in mm/mm³.
-    pub fn total(&self) -> f64 {
-        self.bundles.iter().map(|bundle| bundle.length_density).sum()
+    /// F = ∫f dΩ over E⁺ of a cell, in mm/mm³.
+    pub fn total(&self, cell: usize, radius: impl Fn(usize) -> f64) -> f64 {
+        self.scale(cell, radius) * self.bundles(cell).iter().map(|bundle| bundle.length_density).sum::<f64>()
     }
+
+    /// The list of a cell; an empty cell has none.
+    fn bundles(&self, cell: usize) -> &[Bundle] {
+        let Cell { surface, list, .. } = self.values[cell];
+        if surface > 0.0 { &self.lists[list as usize] } else { &[] }
+    }
+
+    /// What turns the shares of a cell's list into densities.
+    fn scale(&self, cell: usize, radius: impl Fn(usize) -> f64) -> f64 {
+        let surface = surface(self.bundles(cell), radius);
+        if surface > 0.0 { self.values[cell].surface / surface } else { 0.0 }
+    }
+}
+
+/// Σ R F of a list, in 1/mm when its shares are densities in mm/mm³; `radius` gives R of a kind of fiber in mm.
+pub fn surface(bundles: &[Bundle], radius: impl Fn(usize) -> f64) -> f64 {
+    bundles.iter().map(|bundle| radius(bundle.kind) * bundle.length_density).sum()
 }
 
 /// Equal shares for patches of equal measure.
@@ -154,14 +184,19 @@ mod tests {
     fn the_total_is_the_stated_length_whatever_the_orientation() {
         let spread = Orientation::Aligned { axis: DVec3::new(0.6, 0.0, 0.8), spread: 0.2 };
         let all = [Orientation::Isotropic, Orientation::Planar, spread];
-        let f = SpecificLength::of_sheet(&sheet(&all), DirectionGrid { n: 16 });
-        assert!((f.total() - 300.0).abs() < 1e-9, "{}", f.total());
+        let f = SpecificLength::of_sheet(&sheet(&all), DirectionGrid { n: 16 }, |_| 0.01);
+        let total = f.total(0, |_| 0.01);
+        assert!((total - 300.0).abs() < 1e-9, "{total}");
     }
 
     #[test]
     fn the_visible_area_has_its_closed_forms() {
         let area = |orientation, m| {
-            SpecificLength::of_sheet(&sheet(&[orientation]), DirectionGrid { n: 32 }).visible_area(m, |_| 0.01)
+            SpecificLength::of_sheet(&sheet(&[orientation]), DirectionGrid { n: 32 }, |_| 0.01).visible_area(
+                0,
+                m,
+                |_| 0.01,
+            )
         };
         let tilted = DVec3::new(0.6, 0.0, 0.8);
         // ⟨|m × p|⟩ is π/4 for isotropic fibers, 1 for planar ones seen from above, a sine for aligned ones.
@@ -173,15 +208,16 @@ mod tests {
     #[test]
     fn equal_bundles_are_merged() {
         let aligned = Orientation::Aligned { axis: DVec3::X, spread: 0.0 };
-        let f = SpecificLength::of_sheet(&sheet(&[aligned, aligned]), DirectionGrid { n: 16 });
-        assert_eq!(f.bundles.len(), 1);
-        assert_eq!(f.bundles[0].length_density, 200.0);
+        let f = SpecificLength::of_sheet(&sheet(&[aligned, aligned]), DirectionGrid { n: 16 }, |_| 0.01);
+        assert_eq!(f.lists[0].len(), 1);
+        assert_eq!(f.lists[0][0].length_density, 200.0);
+        assert_eq!(f.values[0].surface, 2.0);
     }
 
     #[test]
     fn a_finer_grid_smears_a_spread_bundle_less() {
         let spread = Orientation::Aligned { axis: DVec3::new(0.6, 0.0, 0.8), spread: 0.1 };
-        let error = |n| SpecificLength::of_sheet(&sheet(&[spread]), DirectionGrid { n }).spread_error;
+        let error = |n| SpecificLength::of_sheet(&sheet(&[spread]), DirectionGrid { n }, |_| 0.01).spread_error;
         let (coarse, fine) = (error(8), error(64));
         assert!(fine < coarse / 4.0 && fine < 0.01, "8: {coarse}, 64: {fine}");
     }

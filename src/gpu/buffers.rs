@@ -2,7 +2,6 @@
 
 use super::device::OpenDevice;
 use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
-use super::pack::texture;
 use crate::error::Result;
 use crate::scene::MAX_CHANNELS;
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
@@ -10,8 +9,16 @@ use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 /// The tables of a run, packed.
 pub struct Packed<'a> {
     pub directions: &'a [[u32; 4]],
+    pub cells: &'a [[u32; 4]],
     pub incident: &'a [[f32; 4]],
     pub absorption: &'a [[f32; 4]],
+}
+
+/// Which tables are textures, not uniform buffers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct InTexture {
+    pub directions: bool,
+    pub cells: bool,
 }
 
 /// How much a kernel needs of the buffers that grow.
@@ -35,7 +42,7 @@ pub struct Buffers {
 
 impl Buffers {
     /// Allocate, and write the tables.
-    pub fn new(device: &OpenDevice, packed: &Packed, table_in_texture: bool, sizes: Sizes) -> Result<Buffers> {
+    pub fn new(device: &OpenDevice, packed: &Packed, in_texture: InTexture, sizes: Sizes) -> Result<Buffers> {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let entries = u64::from(UNIFORM_ENTRIES) * 16;
@@ -47,23 +54,32 @@ impl Buffers {
         let counters = device.buffer("counters", size_of::<Counters>() as u64, storage)?;
         let traces = device.buffer("traces", (sizes.traces * size_of::<Trace>()) as u64, storage)?;
         let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
-        let in_texture = if table_in_texture { packed.directions } else { &[] };
-        if !table_in_texture {
-            device.queue.write_buffer(&table, 0, bytemuck::cast_slice(packed.directions));
+        let cells = device.buffer("cells_uniform", entries, uniform)?;
+        let mut views = Vec::new();
+        let tables = [
+            ("table_texture", packed.directions, in_texture.directions, &table),
+            ("cells_texture", packed.cells, in_texture.cells, &cells),
+        ];
+        for (label, entries, in_texture, buffer) in tables {
+            views.push(device.texture(label, if in_texture { entries } else { &[] })?);
+            if !in_texture {
+                device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(entries));
+            }
         }
         device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
         device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
-        let view = texture(&device.device, &device.queue, in_texture);
         let resources = [
             params.as_entire_binding(),
             table.as_entire_binding(),
-            BindingResource::TextureView(&view),
+            BindingResource::TextureView(&views[0]),
             incident.as_entire_binding(),
             lanes.as_entire_binding(),
             bins.as_entire_binding(),
             counters.as_entire_binding(),
             traces.as_entire_binding(),
             absorption.as_entire_binding(),
+            cells.as_entire_binding(),
+            BindingResource::TextureView(&views[1]),
         ];
         let group = bind(device, 0, resources);
         Ok(Buffers { group, params, lanes, bins, counters, traces })

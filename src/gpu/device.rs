@@ -1,11 +1,12 @@
 //! A device, its pipelines, and waiting for it.
 
 use super::adapter::{AdapterSummary, summary};
-use super::layout::group_layout;
+use super::layout::{TEXTURE_BITS, group_layout};
 use super::shader::Shader;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+use wgpu::util::DeviceExt;
 use wgpu::{Buffer, BufferUsages, Device, Limits, Queue};
 
 /// A dispatch that takes longer has hung.
@@ -57,6 +58,35 @@ impl OpenDevice {
         let descriptor =
             wgpu::BufferDescriptor { label: Some(label), size: bytes.max(16), usage, mapped_at_creation: false };
         Ok(self.device.create_buffer(&descriptor))
+    }
+
+    /// A table of vectors as a texture of 2ᵏ columns; its size is checked against the limits first.
+    pub fn texture(&self, label: &str, entries: &[[u32; 4]]) -> Result<wgpu::TextureView> {
+        let width = 1u32 << TEXTURE_BITS;
+        let height = entries.len().div_ceil(width as usize).max(1);
+        let most = self.device.limits().max_texture_dimension_2d;
+        if height > most as usize {
+            return Err(Error::Device {
+                needed: format!("the table `{label}` needs {} vectors", entries.len()),
+                found: format!("{} allows {}", self.summary.name, u64::from(most) * u64::from(width)),
+            });
+        }
+        let mut texels = entries.to_vec();
+        texels.resize(height * width as usize, [0; 4]);
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height: height as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        let order = wgpu::util::TextureDataOrder::LayerMajor;
+        let bytes = bytemuck::cast_slice(&texels);
+        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
+        Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
     /// A pipeline of one entry point; overrides by name, booleans as 0 and 1.

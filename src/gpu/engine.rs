@@ -1,10 +1,10 @@
 //! All walks of a plan on a device: batches of starts, segments of walks, dispatches.
 
 use super::adapter::{self, Kind};
-use super::buffers::Packed;
+use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
-use super::pack::{absorption_table, direction_table, incident_table};
+use super::pack::{absorption_table, cell_table, direction_table, incident_table};
 use super::params::{counts, params, start_words};
 use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
@@ -157,7 +157,8 @@ impl<'a> Run<'a> {
         trace: bool,
     ) -> Result<Run<'a>> {
         settings.check()?;
-        let large = tables.patches.len() > UNIFORM_ENTRIES as usize;
+        let large = |entries: usize| entries > UNIFORM_ENTRIES as usize;
+        let cells = tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
         let hardware = gpu.kind() == Kind::Hardware;
         // The number of the next roulette is drawn at a flush.
         let most_passes = if tables.absorbing() { ROULETTE_EVERY - 1 } else { u32::MAX };
@@ -171,7 +172,10 @@ impl<'a> Run<'a> {
             budget: settings.budget.unwrap_or(tuning.budget.min(longest_budget(flush_every, channels))),
             flush_every,
             // Divergent reads of a uniform buffer are slow on hardware; a texture is slower than that in software.
-            table_in_texture: large || settings.table_in_texture.unwrap_or(hardware),
+            in_texture: InTexture {
+                directions: large(tables.patches.len()) || settings.table_in_texture.unwrap_or(hardware),
+                cells: large(cells) || settings.cells_in_texture.unwrap_or(hardware),
+            },
             jitter: plan.jitter,
             listed: matches!(goniometer.incidence, Incidence::Listed(_)),
             trace,
@@ -180,6 +184,7 @@ impl<'a> Run<'a> {
             absorbing: tables.absorbing(),
             bases: tables.half_length.is_finite(),
             roulette,
+            cells: cells > 0,
         };
         let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };
         let channels = tables.absorbing().then(|| tables.channels());
@@ -197,11 +202,12 @@ impl<'a> Run<'a> {
         let directions = direction_table(self.tables, self.plan.jitter);
         let incident = incident_table(self.goniometer);
         let absorption = absorption_table(self.tables);
+        let cells = cell_table(self.tables);
         let batch = self.starts_per_batch();
         for first in (0..incident.len()).step_by(batch) {
             let starts = first..(first + batch).min(incident.len());
-            let packed =
-                Packed { directions: &directions, incident: &incident[starts.clone()], absorption: &absorption };
+            let incident = &incident[starts.clone()];
+            let packed = Packed { directions: &directions, cells: &cells, incident, absorption: &absorption };
             if first == 0 {
                 self.tune(&packed)?;
             }

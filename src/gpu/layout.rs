@@ -7,9 +7,10 @@ use wgpu::{
     BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-/// Vectors of 16 bytes in the uniform buffers of directions and of incident cells: 64 KiB, the default limit.
+/// Vectors of 16 bytes in the uniform buffers of directions, of incident cells and of cells of the cloth: 64 KiB, the
+/// default limit.
 pub const UNIFORM_ENTRIES: u32 = 4096;
-/// log₂ of the width of the direction table as a texture.
+/// log₂ of the width of a table as a texture.
 pub const TEXTURE_BITS: u32 = 10;
 /// Walks that a lane takes at a time.
 pub const BLOCK: u32 = 16;
@@ -39,7 +40,7 @@ gpu_struct! {
         seed: [u32; 2], base: [u32; 2], id_stride: u32, starts: u32, front_starts: u32, walks: u32, blocks: u32,
         threshold_bits: u32, max_events: u32, exit_n: u32, exit_cells: u32, start_words: u32, mean_free_path: f32,
         thickness: f32, patch_unit: f32, incident_edge: f32, starts_reciprocal: f32, half_length: f32,
-        kinds: [[f32; 4]; MAX_KINDS], clearest: [f32; 4],
+        kinds: [[f32; 4]; MAX_KINDS], clearest: [f32; 4], counts: [f32; 4], per_edge: [f32; 4],
     }
 }
 
@@ -51,7 +52,7 @@ gpu_struct! {
         pending_id: [u32; 2], pending_start: u32, pending_hits: u32, pending_events: u32, block_start: u32,
         block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], log_gain: f32,
         pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
-        spare: [u32; 2],
+        place: [f32; 2], next_place: [f32; 2], reach: u32, next_reach: u32,
     }
 }
 
@@ -106,6 +107,8 @@ pub const BINDINGS: &[(u32, u32, &str, Resource)] = &[
     (0, 6, "counters", Resource::ReadWrite),
     (0, 7, "traces", Resource::ReadWrite),
     (0, 8, "absorption", Resource::Uniform),
+    (0, 9, "cells_uniform", Resource::Uniform),
+    (0, 10, "cells_texture", Resource::Texture),
     (1, 0, "probe_inputs", Resource::Read),
     (1, 1, "probe_outputs", Resource::ReadWrite),
 ];

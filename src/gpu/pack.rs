@@ -1,12 +1,10 @@
 //! Tables as the shaders read them.
 
-use super::layout::TEXTURE_BITS;
 use crate::concentric::Patch;
 use crate::distribution::direction_of;
 use crate::goniometer::{Goniometer, Incidence};
 use crate::scene::{MAX_KINDS, Side};
-use crate::tables::{Kind, SamplingTables};
-use wgpu::util::DeviceExt;
+use crate::tables::{CellEntry, Kind, SamplingTables};
 
 /// One vector an entry: the patch, or its middle direction when there is no jitter, with the kind of fiber; w = alias and
 /// threshold.
@@ -21,7 +19,19 @@ pub fn direction_table(tables: &SamplingTables, jitter: bool) -> Vec<[u32; 4]> {
             [x, y, z & !3 | kind, *word]
         }
     };
-    tables.patches.iter().zip(&tables.entry_kinds).zip(tables.alias.words()).map(entry).collect()
+    let words = tables.lists.iter().flat_map(|list| list.alias.words());
+    tables.patches.iter().zip(&tables.entry_kinds).zip(words).map(entry).collect()
+}
+
+/// One vector a cell: share and placement factor (f32), first entry and index bits of its list, reach across and along.
+pub fn cell_table(tables: &SamplingTables) -> Vec<[u32; 4]> {
+    let entry = |cell: &CellEntry| {
+        let list = &tables.lists[cell.list as usize];
+        let [share, placement] = [cell.share, cell.placement].map(|value| (value as f32).to_bits());
+        let reach = u32::from(cell.reach.across) | u32::from(cell.reach.along) << 16;
+        [share, placement, list.first | list.alias.index_bits() << 24, reach]
+    };
+    tables.cells.iter().flat_map(|cells| &cells.entries).map(entry).collect()
 }
 
 /// Both extents in units, 12 bits each.
@@ -58,25 +68,4 @@ pub fn by_kind(tables: &SamplingTables, number: impl Fn(&Kind) -> f32) -> [f32; 
     let mut numbers = [0.0; MAX_KINDS];
     numbers.iter_mut().zip(&tables.kinds).for_each(|(place, kind)| *place = number(kind));
     numbers
-}
-
-/// The direction table as a texture.
-pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, entries: &[[u32; 4]]) -> wgpu::TextureView {
-    let width = 1u32 << TEXTURE_BITS;
-    let height = (entries.len() as u32).div_ceil(width).max(1);
-    let mut texels = entries.to_vec();
-    texels.resize((width * height) as usize, [0; 4]);
-    let descriptor = wgpu::TextureDescriptor {
-        label: Some("table_texture"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Uint,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    };
-    let order = wgpu::util::TextureDataOrder::LayerMajor;
-    let texture = device.create_texture_with_data(queue, &descriptor, order, bytemuck::cast_slice(&texels));
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -6,6 +6,7 @@ use crate::goniometer::{Counts, Goniometer, Incidence};
 use crate::scene::{MAX_KINDS, Side};
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
+use glam::DVec3;
 use std::ops::Range;
 
 /// Parameters of walks `walks` of the starts `starts`.
@@ -21,6 +22,9 @@ pub fn params(
         Incidence::Disc(disc) => 2.0 / f64::from(disc.n),
         Incidence::Listed(_) => 0.0,
     };
+    let (counts, per_edge) = tables.cells.as_ref().map_or((DVec3::ONE, DVec3::ONE), |cells| {
+        (DVec3::from(cells.grid.counts.map(f64::from)), cells.grid.edges().recip())
+    });
     let walk_count = (walks.end - walks.start) as u32;
     let mut kinds = [[0.0; 4]; MAX_KINDS];
     for (place, kind) in kinds.iter_mut().zip(&tables.kinds) {
@@ -35,7 +39,7 @@ pub fn params(
         front_starts: starts.clone().filter(|&start| goniometer.side(start) == Side::Front).count() as u32,
         walks: walk_count,
         blocks: starts.len() as u32 * walk_count.div_ceil(BLOCK),
-        threshold_bits: 32 - tables.alias.index_bits(),
+        threshold_bits: 32 - tables.lists[0].alias.index_bits(),
         max_events: plan.max_events,
         exit_n: goniometer.exit.n,
         exit_cells: goniometer.exit.cells() as u32,
@@ -48,6 +52,8 @@ pub fn params(
         half_length: tables.half_length.min(1e9) as f32,
         kinds,
         clearest: by_kind(tables, |kind| kind.clearest() as f32),
+        counts: counts.as_vec3().extend(0.0).to_array(),
+        per_edge: per_edge.as_vec3().extend(0.0).to_array(),
     }
 }
 

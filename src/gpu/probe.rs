@@ -1,10 +1,10 @@
 //! Calls of single functions of the kernel, for tests.
 
-use super::buffers::{Buffers, Packed, Sizes, bind};
+use super::buffers::{Buffers, InTexture, Packed, Sizes, bind};
 use super::device::OpenDevice;
 use super::engine::Gpu;
 pub use super::layout::ProbeInput;
-use super::pack::{absorption_table, direction_table, incident_table};
+use super::pack::{absorption_table, cell_table, direction_table, incident_table};
 use super::params;
 use super::shader::Shader;
 use crate::error::Result;
@@ -21,14 +21,14 @@ pub struct Probe<'a> {
     gpu: &'a Gpu,
     tables: &'a SamplingTables,
     goniometer: &'a Goniometer,
-    /// Read the direction table from a texture.
-    pub table_in_texture: bool,
+    /// Read the tables of directions and of cells from textures.
+    pub in_texture: bool,
 }
 
 impl<'a> Probe<'a> {
     /// Set up for a medium and an instrument.
     pub fn new(gpu: &'a Gpu, tables: &'a SamplingTables, goniometer: &'a Goniometer) -> Probe<'a> {
-        Probe { gpu, tables, goniometer, table_in_texture: false }
+        Probe { gpu, tables, goniometer, in_texture: false }
     }
 
     /// Call the entry point `probe_…` once for each input.
@@ -51,7 +51,9 @@ impl<'a> Probe<'a> {
         let listed = matches!(self.goniometer.incidence, Incidence::Listed(_));
         let flag = |on: bool| f64::from(u8::from(on));
         let overrides = [
-            ("TABLE_IN_TEXTURE", flag(self.table_in_texture)),
+            ("TABLE_IN_TEXTURE", flag(self.in_texture)),
+            ("CELLS", flag(self.tables.cells.is_some())),
+            ("CELLS_IN_TEXTURE", flag(self.in_texture)),
             ("LISTED", flag(listed)),
             ("KINDS", self.tables.kinds.len() as f64),
             ("BASES", flag(self.tables.half_length.is_finite())),
@@ -77,10 +79,12 @@ impl<'a> Probe<'a> {
         let directions = direction_table(self.tables, true);
         let incident = incident_table(self.goniometer);
         let absorption = absorption_table(self.tables);
-        let packed = Packed { directions: &directions, incident: &incident, absorption: &absorption };
+        let cells = cell_table(self.tables);
+        let packed = Packed { directions: &directions, cells: &cells, incident: &incident, absorption: &absorption };
+        let in_texture = InTexture { directions: self.in_texture, cells: self.in_texture };
         // Each binding must hold one item of its kind.
         let sizes = Sizes { lanes: 1, bins: 1, traces: 1 };
-        let buffers = Buffers::new(device, &packed, self.table_in_texture, sizes)?;
+        let buffers = Buffers::new(device, &packed, in_texture, sizes)?;
         let values = params::params(self.tables, self.goniometer, &WalkPlan::new(0, 1), 0..1, 0..1);
         device.queue.write_buffer(&buffers.params, 0, bytemuck::bytes_of(&values));
         Ok(buffers.group)

@@ -1,6 +1,6 @@
 //! The pipeline and the buffers of one batch of starts, and its dispatches.
 
-use super::buffers::{Buffers, Packed, Sizes};
+use super::buffers::{Buffers, InTexture, Packed, Sizes};
 use super::device::OpenDevice;
 use super::layout::{Counters, Params, Trace};
 use super::shader::Shader;
@@ -16,7 +16,7 @@ pub struct Shape {
     pub lanes: u32,
     pub budget: u32,
     pub flush_every: u32,
-    pub table_in_texture: bool,
+    pub in_texture: InTexture,
     pub jitter: bool,
     pub listed: bool,
     pub trace: bool,
@@ -25,6 +25,7 @@ pub struct Shape {
     pub absorbing: bool,
     pub bases: bool,
     pub roulette: bool,
+    pub cells: bool,
 }
 
 /// A pipeline with its buffers.
@@ -56,7 +57,7 @@ impl<'a> Session<'a> {
         traces: usize,
         preset: u32,
     ) -> Result<Session<'a>> {
-        let buffers = Buffers::new(device, packed, shape.table_in_texture, Sizes { lanes: shape.lanes, bins, traces })?;
+        let buffers = Buffers::new(device, packed, shape.in_texture, Sizes { lanes: shape.lanes, bins, traces })?;
         let staging_bytes = (bins * 4).max(size_of::<Counters>()).max(traces * size_of::<Trace>()) as u64;
         let staging = device.buffer("staging", staging_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut seen = Vec::new();
@@ -134,13 +135,13 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 12] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 14] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
         ("BUDGET", f64::from(shape.budget)),
         ("FLUSH_EVERY", f64::from(shape.flush_every)),
-        ("TABLE_IN_TEXTURE", flag(shape.table_in_texture)),
+        ("TABLE_IN_TEXTURE", flag(shape.in_texture.directions)),
         ("JITTER", flag(shape.jitter)),
         ("LISTED", flag(shape.listed)),
         ("TRACE", flag(shape.trace)),
@@ -149,5 +150,7 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 12] {
         ("ABSORBING", flag(shape.absorbing)),
         ("BASES", flag(shape.bases)),
         ("ROULETTE", flag(shape.roulette)),
+        ("CELLS", flag(shape.cells)),
+        ("CELLS_IN_TEXTURE", flag(shape.in_texture.cells)),
     ]
 }

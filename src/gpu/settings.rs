@@ -15,6 +15,8 @@ pub struct Settings {
     pub flush_every: Option<u32>,
     /// Keep the direction table in a texture, whatever its size.
     pub table_in_texture: Option<bool>,
+    /// Keep the table of cells in a texture, whatever its size.
+    pub cells_in_texture: Option<bool>,
     /// Most walks of each start in one segment.
     pub walks_per_segment: Option<u64>,
     /// Most starts in one batch.

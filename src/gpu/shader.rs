@@ -41,6 +41,7 @@ impl Shader {
             part!("layout.wgsl"),
             part!("rng.wgsl"),
             part!("concentric.wgsl"),
+            part!("cells.wgsl"),
             part!("medium.wgsl"),
             part!("cylinder.wgsl"),
             part!("goniometer.wgsl"),

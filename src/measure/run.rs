@@ -71,8 +71,8 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
     let sheet = scene.sheet()?;
     let goniometer = Goniometer::new(&scene.measure);
     let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-    let specific_length = SpecificLength::of_sheet(sheet, grid);
-    let tables = SamplingTables::new(scene, sheet, &specific_length);
+    let specific_length = SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius);
+    let tables = SamplingTables::new(scene, &specific_length)?;
     let bytes = memory(&tables, &goniometer);
     if bytes > MAX_BYTES {
         let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());

@@ -8,6 +8,7 @@
 //! Differs from the paper: null-collision tracking (see [`tables`](crate::tables)) and the closed form of the cylinder
 //! (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper.
 
+mod cells;
 mod engine;
 mod medium;
 mod walk;

@@ -1,12 +1,14 @@
 //! One stochastic walk from fiber to fiber (paper §4).
 
+use super::cells::Station;
 use super::medium::{draw_fiber, free_path};
+use crate::distribution::CellGrid;
 use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::{Encounter, Passage};
 use crate::scene::{MAX_KINDS, Side};
 use crate::tables::{Kind, SamplingTables};
 use crate::walk::{
-    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, draw, start_draws, uniform,
+    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, draw, start_draws, start_place, uniform,
 };
 use glam::DVec3;
 
@@ -51,7 +53,8 @@ pub struct Replay {
     /// How it went.
     pub walked: Walked,
     /// The least distance of any decision from its threshold, taken relative to the scale on which errors of that
-    /// quantity grow: depths by the sheet's thickness, numbers and bins as they are.
+    /// quantity grow: depths by the sheet's thickness, places among cells by the length of the flights (or the larger of
+    /// thickness and repeat), numbers and bins as they are.
     pub nearest_tie: f64,
 }
 
@@ -81,8 +84,13 @@ pub(super) fn walk(
 ) -> Walked {
     let id = WalkPlan::walk_id(goniometer.starts(), i, start);
     let lit = goniometer.side(start);
-    let mut m = -goniometer.start_direction(start, start_draws(draw(plan.seed, id, 0, Purpose::Start)));
-    let mut z = if lit == Side::Front { 0.0 } else { -tables.thickness };
+    let words = draw(plan.seed, id, 0, Purpose::Start);
+    let mut m = -goniometer.start_direction(start, start_draws(words));
+    let z = if lit == Side::Front { 0.0 } else { -tables.thickness };
+    let homogeneous = CellGrid::homogeneous(tables.thickness);
+    let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
+    let mut station = Station::start(grid, (start_place(words) * grid.period).extend(z));
+    witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
     let roulette = plan.roulette && tables.absorbing();
     let mut walked = Walked {
         record: WalkRecord { bin: 0, events: 0, hits: 0 },
@@ -94,8 +102,12 @@ pub(super) fn walk(
     for event in 0..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
         walked.record.events = event + 1;
+        if let Some(cells) = &tables.cells {
+            station.skip_empty(cells, m);
+        }
         // Fly to the next tentative event.
-        z += m.z * free_path(tables, &draws);
+        station.fly(grid, m, free_path(tables, &draws));
+        let z = station.place.z;
         witness.decide(|| z.abs().min((z + tables.thickness).abs()) / tables.thickness);
         if z > 0.0 || z < -tables.thickness {
             witness.decide(|| bin_distance(goniometer, m, walked.record.hits));
@@ -103,11 +115,19 @@ pub(super) fn walk(
             return walked;
         }
         // Draw the fiber there and see whether the ray hits it.
-        let (p, kind) = draw_fiber(tables, &draws, plan.jitter);
-        let visible = m.cross(p).length();
-        witness.decide(|| draws.accept - visible);
-        if draws.accept < visible {
-            let number = draws.accept / visible;
+        let (share, list) = match &tables.cells {
+            None => (1.0, 0),
+            Some(cells) => {
+                witness.decide(|| station.face_distance(grid));
+                let cell = station.look_up(cells);
+                (cell.share, cell.list)
+            }
+        };
+        let (p, kind) = draw_fiber(tables, list, &draws, plan.jitter);
+        let seen = share * m.cross(p).length();
+        witness.decide(|| draws.accept - seen);
+        if draws.accept < seen {
+            let number = draws.accept / seen;
             let passage = scatter(m, p, draws.offset, number, &tables.kinds[kind], tables.half_length, witness);
             m = passage.direction.normalize();
             walked.lengths[kind] += passage.path * tables.kinds[kind].radius;

@@ -1,14 +1,18 @@
 //! What the engines read: the alias table of fibers and the rates of the medium.
 //!
-//! Computes: specific visible area as a majorant and a table (paper §3, §4), packed for constant-time draws.
+//! Computes: specific visible area as a majorant and tables (paper §3, §4), packed for constant-time draws; around each
+//! empty cell, the block of empty cells that a ray may jump over.
 //!
-//! Inputs: the specific length (mm/mm³), fiber radii (mm), indices, the sheet's thickness (mm).
+//! Inputs: the specific length (mm/mm³) by cell, fiber radii (mm), indices.
 //!
 //! Differs from the paper: no table of H(m). Tentative events come at the rate 2·Σ R F, a fiber is drawn with weight
-//! R f, and the event is a collision with probability |m × p|; that gives H and h/H jointly and exactly.
+//! R f, and the event is a collision with probability |m × p|; that gives H and h/H jointly and exactly. In a cloth of
+//! many cells the densest sets the rate, and a cell takes its share of it.
 
 mod alias;
+mod blocks;
 mod sampling;
 
 pub use alias::AliasTable;
-pub use sampling::{Kind, SamplingTables};
+pub use blocks::Reach;
+pub use sampling::{CellEntry, Cells, Kind, List, SamplingTables};

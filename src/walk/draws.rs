@@ -9,6 +9,9 @@
 //! | z | 9 low | jitter along the first coordinate of the entry's patch |
 //! | w | 23 high | offset α |
 //! | w | 9 low | jitter along the second coordinate |
+//!
+//! n is the number of entries of the cell's list. Of the call that starts a walk, x and y place it inside its incident cell,
+//! z and w inside the repeat of the cloth.
 
 use glam::DVec2;
 
@@ -19,7 +22,7 @@ pub struct EventDraws {
     pub free_path: f64,
     /// The word that chooses the table entry.
     pub entry: u32,
-    /// Uniform in (0, 1): a tentative event is a collision when this is below |m × p|.
+    /// Uniform in (0, 1): a tentative event is a collision when this is below |m × p| times the cell's share.
     pub accept: f64,
     /// Offset α of the ray from the fiber axis in radii, uniform in (−1, 1) (paper §4).
     pub offset: f64,
@@ -44,6 +47,11 @@ impl EventDraws {
 /// The place of a walk's start inside its incident cell, uniform in (0, 1)².
 pub fn start_draws(words: [u32; 4]) -> DVec2 {
     DVec2::new(uniform(words[0]), uniform(words[1]))
+}
+
+/// The place on the lit face where a walk sets out, as shares of the repeat along x and y, uniform in (0, 1)².
+pub fn start_place(words: [u32; 4]) -> DVec2 {
+    DVec2::new(uniform(words[2]), uniform(words[3]))
 }
 
 /// (2k + 1)·2⁻²⁴ with k the 23 high bits: in the open interval, exact in f32 and in f64.

@@ -9,6 +9,6 @@ mod draws;
 mod plan;
 mod rng;
 
-pub use draws::{EventDraws, start_draws, uniform};
+pub use draws::{EventDraws, start_draws, start_place, uniform};
 pub use plan::{Engine, MAX_EVENTS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord};
 pub use rng::{Purpose, draw, threefry};

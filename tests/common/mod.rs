@@ -1,6 +1,7 @@
 //! What the tests share: the device, cloths written as a user would, independent optics, statistics.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod cells;
 pub mod sheet;
 pub mod stats;
 pub mod tracer;

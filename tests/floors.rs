@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: &[&[&str]] = &[
     &["error", "concentric"],
     &["scene"],
+    &["cloth"],
     &["distribution"],
     &["tables", "goniometer"],
     &["walk", "optics"],
@@ -28,6 +29,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("rayon", &["reference"]),
+    ("rand", &["cloth"]),
 ];
 
 fn floor(room: &str) -> usize {

@@ -4,6 +4,7 @@
 pub mod sheet;
 pub mod stats;
 pub mod tracer;
+pub mod woven;
 
 use fiberwalk::goniometer::Tally;
 use fiberwalk::gpu::Gpu;

@@ -16,9 +16,9 @@
 //! "The paper" is Bogaevski, Kopylov, Khodulev, "An Implicit Approach to Cloth Synthesis".
 //!
 //! # Floors
-//! Data flows down once: [`scene`] → [`distribution`] → [`tables`], [`goniometer`] → an engine ([`mod@reference`] or
-//! [`gpu`]) → [`bsdf`] → [`results`]; [`measure`] runs it. No module imports one from a later floor, and the engines do
-//! not know of each other.
+//! Data flows down once: [`scene`] → [`cloth`], of a weave → [`distribution`] → [`tables`], [`goniometer`] → an engine
+//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`]; [`measure`] runs it. No module imports one from a later floor,
+//! and the engines do not know of each other.
 
 pub mod bsdf;
 pub mod cloth;

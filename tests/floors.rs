@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: &[&[&str]] = &[
     &["error", "concentric"],
     &["scene"],
+    &["cloth"],
     &["distribution"],
     &["tables", "goniometer"],
     &["walk", "optics"],
@@ -27,8 +28,12 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["reference"]),
+    ("rayon", &["reference", "distribution"]),
+<<<<<<< HEAD
     ("statrs", &["bsdf"]),
+=======
+    ("rand", &["cloth"]),
+>>>>>>> weave
 ];
 
 fn floor(room: &str) -> usize {

@@ -118,7 +118,7 @@ fn check_measured(place: &Place, channels: usize, sides: usize) {
 
 #[test]
 fn a_name_that_is_neither_file_nor_preset_is_refused_with_the_presets() {
-    let presets = "presets: felt, nonwoven";
+    let presets = "presets: charmeuse, denim, felt, nonwoven, voile";
     for (cloth, message) in [
         ("nosuch.toml", format!("no cloth file or preset `nosuch.toml`; {presets}")),
         ("nonwovn", format!("no cloth file or preset `nonwovn`, did you mean `nonwoven`?; {presets}")),
@@ -230,7 +230,7 @@ fn a_file_without_fibers_is_refused() {
     refuse_texts(&[
         ("", "1:1: the file needs `fiber`"),
         ("[fiber]\n[sheet]\n", "1:1: the file needs at least one kind of fiber, [fiber.NAME]"),
-        (kind, "1:1: the file needs `sheet`"),
+        (kind, "1:1: the file needs a [sheet] or a [weave]"),
         (&format!("{kind}[sheet]\nthickness_um = 500\n"), "4:1: [sheet] needs `fibers`"),
         (
             &format!("{kind}[sheet]\nthickness_um = 500\nfibers = []\n"),
@@ -248,7 +248,7 @@ fn unknown_keys_are_refused_with_the_nearest_one() {
     let part = "allowed: fiber, length_density_per_mm2, orientation, axis, spread_deg";
     let kind = "allowed: radius_um, fineness_dtex, ior, density_g_per_cm3, absorption_per_mm";
     let model = "allowed: tracking, placement, directions, length_over_radius";
-    let top = "allowed: name, fiber, sheet, model, measure";
+    let top = "allowed: name, fiber, yarn, sheet, weave, model, measure";
     refuse_edits(&[
         ("name", "nam", &format!("1:1: unknown key `nam` at the top, did you mean `name`?; {top}")),
         ("name", "\"a\\nb\"", &format!("1:1: unknown key `a\\nb` at the top; {top}")),
@@ -401,7 +401,7 @@ fn wavelengths_must_lie_in_every_spectrum_and_serve_one() {
     let short = "cloth.toml:5:21: 700 nm lies outside of the spectrum of fiber `wool`; allowed: 400 to 690 nm; without \
                  `wavelengths_nm` they are 400 to 700 nm by 10";
     refuse(&place, &MEASURE, 2, short);
-    let useless = "12:18: `wavelengths_nm` has no use: no fiber of the sheet has a spectrum";
+    let useless = "12:18: `wavelengths_nm` has no use: no fiber of the cloth has a spectrum";
     refuse_lines(&[("[measure]\nwavelengths_nm = [400]", useless)]);
 }
 
@@ -410,7 +410,7 @@ fn rgb_does_not_mix_with_a_spectrum() {
     let place = spectral("s.csv", &another("red", "absorption_per_mm = { rgb = [0, 5, 9] }\n"));
     place.write("s.csv", SPECTRUM);
     let clash = "cloth.toml:15:21: fiber `red` absorbs in rgb and fiber `wool` by a spectrum; allowed: one of the two in \
-                 a sheet";
+                 a cloth";
     refuse(&place, &MEASURE, 2, clash);
 }
 
@@ -518,8 +518,8 @@ fn an_axis_must_point_somewhere() {
 
 #[test]
 fn what_is_not_available_yet_is_refused_by_name() {
-    let not_woven = "describes a woven or knitted cloth, which is not available yet; describe a [sheet]";
-    let cells = "belongs to woven cloth, which is not available yet; leave it out";
+    let not_knitted = "describes a knitted cloth, which is not available yet; describe a [sheet] or a [weave]";
+    let cells = "belongs to a [weave]; leave it out";
     refuse_edits(&[
         ("ior = 1.5", "ior = 1.5\nroughness_deg = 1", "5:1: `roughness_deg` is not available yet"),
         ("ior = 1.5", "ior = 1.5\ncross_section = {}", "5:1: `cross_section` is not available yet"),
@@ -542,9 +542,7 @@ fn what_is_not_available_yet_is_refused_by_name() {
                 "12:12: `measure.incident` is \"polar:18x36\", but must be {INCIDENT}; this basis is not available yet"
             ),
         ),
-        ("[weave]\ndraft = [\"X.\"]", &format!("11:2: `weave` {not_woven}")),
-        ("[yarn.warp]\nplies = 2", &format!("11:2: `yarn` {not_woven}")),
-        ("[knit]\nstructure = \"rib\"", &format!("11:2: `knit` {not_woven}")),
+        ("[knit]\nstructure = \"rib\"", &format!("11:2: `knit` {not_knitted}")),
     ]);
 }
 

@@ -6,7 +6,8 @@ use fiberwalk::measure::{
     ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare, run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
-use fiberwalk::scene::{Scene, Source};
+use fiberwalk::distribution::{Gathering, SpecificLength};
+use fiberwalk::scene::{Scene, Source, Structure};
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -53,6 +54,15 @@ pub struct Arguments {
     /// Where the next flight starts: at-hit
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
+    /// Cells of the repeat of a weave along x, y and z, such as 24x24x8 [default: edges of four fiber radii]
+    #[arg(long, value_name = "CELLS")]
+    cells: Option<String>,
+    /// Cells of the grid of fiber directions, a square number [default: 1024]
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    directions: Option<String>,
+    /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 2]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    cone: Option<String>,
     /// Incident directions: N of the disc basis, or a list such as "[[30, 0], [60, 0]]" (theta, phi in degrees)
     #[arg(long, value_name = "BASIS", allow_hyphen_values = true)]
     incident: Option<String>,
@@ -145,13 +155,17 @@ fn describe(
     engine: &ChosenEngine,
     stop: Stop,
 ) -> Result<Vec<String>> {
-    let sheet = scene.sheet()?;
-    let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
-    let (depth, fraction) = (prepared.tables.depth(), sheet.volume_fraction(&scene.fibers));
-    let mut lines = vec![
-        format!("{}: {}", source.file, scene.name),
-        format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"),
-    ];
+    let depth = prepared.tables.depth();
+    let mut lines = vec![format!("{}: {}", source.file, scene.name)];
+    match (&scene.structure, &prepared.gathering) {
+        (Structure::Weave(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
+        (Structure::Sheet(sheet), _) => {
+            let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
+            let fraction = sheet.volume_fraction(&scene.fibers);
+            lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
+        }
+        (Structure::Weave(_), None) => {}
+    }
     if prepared.specific_length.spread_error > 0.0 {
         lines.push(format!(
             "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
@@ -167,6 +181,23 @@ fn describe(
     Ok(lines)
 }
 
+/// The cells of a woven cloth.
+fn woven(prepared: &Prepared, gathering: &Gathering) -> [String; 2] {
+    let SpecificLength { cells, lists, .. } = &prepared.specific_length;
+    let [nx, ny, nz] = cells.counts;
+    let Gathering { realizations, error, volume_fraction, largest_fraction, filled, .. } = gathering;
+    [
+        format!(
+            "cells: {nx} × {ny} × {nz}, {} of {} hold fiber, which fills {volume_fraction:.3} of the cloth and at most \
+             {largest_fraction:.2} of a cell; {} lists of directions",
+            grouped(*filled as u64),
+            grouped(cells.len() as u64),
+            grouped(lists.len() as u64)
+        ),
+        format!("counted: {realizations} realizations, standard error of the densities {:.1} %", 100.0 * error),
+    ]
+}
+
 impl Arguments {
     /// The rule that was given, or a noise of 5 %.
     fn stop(&self) -> Stop {
@@ -179,7 +210,14 @@ impl Arguments {
 
     /// Let the flags have their way over the file.
     fn apply(&self, mut scene: Scene) -> Result<Scene> {
-        for (key, text) in [("tracking", &self.tracking), ("placement", &self.placement)] {
+        let model = [
+            ("tracking", &self.tracking),
+            ("placement", &self.placement),
+            ("cells", &self.cells),
+            ("directions", &self.directions),
+            ("cone", &self.cone),
+        ];
+        for (key, text) in model {
             if let Some(text) = text {
                 scene.model.set_from_flag(key, text)?;
             }

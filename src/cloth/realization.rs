@@ -62,10 +62,10 @@ impl Cloth {
         }
     }
 
-    /// The point of a thread at a distance along its direction, off its axis by `place` (across, up).
+    /// The point of a thread at a distance along its direction, off its axis by `place` (left, up).
     fn point(&self, thread: &Thread, along: f64, height: f64, place: DVec2) -> DVec3 {
         let z = height + place.y;
-        // Seen along a thread with up above, across points to the right; across × up is the thread's direction.
+        // Left is up × the thread's direction.
         match thread.system {
             System::Warp => DVec3::new(thread.at - place.x, along, z),
             System::Weft => DVec3::new(along, thread.at + place.x, z),

@@ -81,8 +81,8 @@ impl Section {
         }
     }
 
-    /// Place of a fiber in the section after a length of yarn, in mm: (across, up) seen along the thread, so that a
-    /// positive twist turns counter-clockwise and climbs a right-handed helix.
+    /// Place of a fiber in the section after a length of yarn, in mm: (left, up) for one who looks along the thread;
+    /// left × up is its direction, so a positive twist makes a right-handed helix.
     pub fn place(&self, strand: &Strand, length: f64) -> DVec2 {
         let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length);
         let own = strand.radius * DVec2::from_angle(strand.azimuth + TAU * self.yarn.ply_twist * length);

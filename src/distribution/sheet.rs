@@ -2,18 +2,19 @@
 
 use super::cells::{Cell, CellGrid};
 use super::directions::{DirectionGrid, direction_of, horizon, square_of};
+use super::spread::{cone_points, visible_area_error};
 use crate::concentric::Patch;
 use crate::scene::{Orientation, Sheet};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Points that stand for the directions of a spread bundle.
 const CONE_POINTS: u32 = 1 << 16;
 /// One in so many of such points is a ray at which the error of H is looked at: 256 of all, 256 near the bundle.
 const RAY_STEP: usize = (CONE_POINTS / 256) as usize;
 /// Directions that agree to this are one direction.
-const EXACT: f64 = 1e-6;
+pub(super) const EXACT: f64 = 1e-6;
 
 /// Fibers of one kind whose directions are uniform over one patch of E⁺.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,12 +56,13 @@ impl SpecificLength {
                     evenly(vec![Patch { corner: square_of(axis), extent: DVec2::ZERO }])
                 }
                 Orientation::Aligned { axis, spread } => {
-                    let cone: Vec<DVec3> = cone_points(axis, spread).collect();
+                    let cone: Vec<DVec3> = cone_points(axis, spread, CONE_POINTS).collect();
                     let parts = smear(&cone, grid);
                     // Look along the bundle too: there H is least and the smear shows most.
-                    let near = cone_points(axis, (spread + 2.0 * grid.cell_angle()).min(PI / 2.0));
-                    let rays = cone_points(DVec3::Z, PI / 2.0).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
-                    let error = visible_area_error(&parts, &cone, rays.chain([axis]));
+                    let near = cone_points(axis, (spread + 2.0 * grid.cell_angle()).min(PI / 2.0), CONE_POINTS);
+                    let rays = cone_points(DVec3::Z, PI / 2.0, CONE_POINTS).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
+                    let stated: Vec<(DVec3, f64)> = cone.iter().step_by(16).map(|p| (*p, 16.0 / f64::from(CONE_POINTS))).collect();
+                    let error = visible_area_error(&parts, &stated, rays.chain([axis]));
                     spread_error = spread_error.max(error);
                     parts
                 }
@@ -124,20 +126,6 @@ fn evenly(patches: Vec<Patch>) -> Vec<(Patch, f64)> {
     patches.into_iter().map(|patch| (patch, share)).collect()
 }
 
-/// Points that fill the cone |p × axis| ≤ sin(spread) evenly by solid angle: a spherical Fibonacci lattice.
-fn cone_points(axis: DVec3, spread: f64) -> impl Iterator<Item = DVec3> {
-    let (side, up) = axis.any_orthonormal_pair();
-    (0..CONE_POINTS).map(move |index| {
-        let fraction = (f64::from(index) + 0.5) / f64::from(CONE_POINTS);
-        let along = 1.0 - fraction * (1.0 - spread.cos());
-        let across = (1.0 - along * along).sqrt();
-        let (sin, cos) = (TAU * (f64::from(index) / GOLDEN_RATIO).fract()).sin_cos();
-        axis * along + (side * cos + up * sin) * across
-    })
-}
-
-const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
-
 /// The share of the cone that each cell of the grid holds.
 fn smear(cone: &[DVec3], grid: DirectionGrid) -> Vec<(Patch, f64)> {
     let mut shares = vec![0.0; (grid.n * grid.n) as usize];
@@ -145,28 +133,6 @@ fn smear(cone: &[DVec3], grid: DirectionGrid) -> Vec<(Patch, f64)> {
         shares[grid.cell_of(p)] += 1.0 / cone.len() as f64;
     }
     grid.cells().zip(shares).filter(|(_, share)| *share > 0.0).collect()
-}
-
-/// Largest error of ⟨|m × p|⟩ over rays m, relative to its largest value.
-fn visible_area_error(parts: &[(Patch, f64)], cone: &[DVec3], rays: impl Iterator<Item = DVec3>) -> f64 {
-    let within = [0.125, 0.375, 0.625, 0.875];
-    let tabulated: Vec<(DVec3, f64)> = parts
-        .iter()
-        .flat_map(|(patch, share)| {
-            let points = within.into_iter().flat_map(move |a| within.into_iter().map(move |b| DVec2::new(a, b)));
-            points.map(move |point| (direction_of(patch.at(point)), share / 16.0))
-        })
-        .collect();
-    let stated = cone.iter().step_by(16);
-    let count = stated.len() as f64;
-    let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
-    for m in rays {
-        let truth: f64 = stated.clone().map(|p| m.cross(*p).length()).sum::<f64>() / count;
-        let table: f64 = tabulated.iter().map(|(p, share)| m.cross(*p).length() * share).sum();
-        worst = worst.max((truth - table).abs());
-        largest = largest.max(truth);
-    }
-    worst / largest
 }
 
 #[cfg(test)]

@@ -3,10 +3,11 @@
 use super::engine::ChosenEngine;
 use super::stop::Stop;
 use crate::bsdf::noise;
-use crate::distribution::{DirectionGrid, SpecificLength};
+use crate::cloth::Cloth;
+use crate::distribution::{DirectionGrid, Gathering, SpecificLength};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Moments, Tally};
-use crate::scene::Scene;
+use crate::scene::{Scene, Structure};
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, WalkPlan};
 use serde::Serialize;
@@ -55,8 +56,10 @@ pub struct Measurement {
 /// The medium and the instrument of a scene.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// f(p) of the sheet.
+    /// f(p, x) of the cloth.
     pub specific_length: SpecificLength,
+    /// How it was gathered; none for a sheet, which states it.
+    pub gathering: Option<Gathering>,
     /// What the engines read.
     pub tables: SamplingTables,
     /// The instrument.
@@ -66,12 +69,27 @@ pub struct Prepared {
 /// Tabulate a scene.
 ///
 /// # Errors
-/// [`Error::Input`] when the cloth is woven, or the run would not fit into memory.
+/// [`Error::Input`] when the cloth cannot be laid out or tabulated, or the run would not fit into memory.
 pub fn prepare(scene: &Scene) -> Result<Prepared> {
-    let sheet = scene.sheet()?;
+    prepare_with(scene, |_| {})
+}
+
+/// As [`prepare`]; `progress` is told the share of the fibers of a woven cloth that are counted.
+///
+/// # Errors
+/// Those of [`prepare`].
+pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
-    let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-    let specific_length = SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius);
+    let (specific_length, gathering) = match &scene.structure {
+        Structure::Sheet(sheet) => {
+            let grid = DirectionGrid { n: scene.model.directions.isqrt() };
+            (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None)
+        }
+        Structure::Weave(_) => {
+            let (length, gathering) = SpecificLength::of_cloth(&Cloth::new(scene)?, &scene.model, progress)?;
+            (length, Some(gathering))
+        }
+    };
     let tables = SamplingTables::new(scene, &specific_length)?;
     let bytes = memory(&tables, &goniometer);
     if bytes > MAX_BYTES {
@@ -88,7 +106,7 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
             MAX_BYTES >> 20
         )));
     }
-    Ok(Prepared { specific_length, tables, goniometer })
+    Ok(Prepared { specific_length, gathering, tables, goniometer })
 }
 
 /// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, the table as it is

@@ -110,7 +110,6 @@ fn read_draft(value: &Value) -> Result<Vec<Vec<bool>>> {
         });
         rows.push(row.collect::<Result<_>>()?);
     }
-    let last = &items[items.len() - 1];
     for (item, row) in items.iter().rev().zip(&rows) {
         if row.len() != rows[0].len() {
             let (found, wanted) = (row.len(), rows[0].len());
@@ -120,7 +119,7 @@ fn read_draft(value: &Value) -> Result<Vec<Vec<bool>>> {
     if rows.len() > MAX_THREADS || rows[0].len() > MAX_THREADS {
         let (columns, count) = (rows[0].len(), rows.len());
         let message = format!("the draft has {columns} ends and {count} picks; allowed: {MAX_THREADS} of each");
-        return Err(last.error(message));
+        return Err(value.error(message));
     }
     Ok(rows)
 }

@@ -5,6 +5,7 @@ pub mod cells;
 pub mod sheet;
 pub mod stats;
 pub mod tracer;
+pub mod woven;
 
 use fiberwalk::goniometer::Tally;
 use fiberwalk::gpu::Gpu;

@@ -1,0 +1,132 @@
+//! One realization, counted cell by cell.
+
+use super::cells::CellGrid;
+use super::clip::Clipper;
+use super::directions::DirectionGrid;
+use super::sheet::EXACT;
+use crate::cloth::Primitive;
+use glam::{DVec3, I64Vec3};
+use rustc_hash::FxHashMap;
+
+/// Units of R·length in a mm²: sums are integers, so they do not depend on their order.
+pub const SURFACE_UNIT: f64 = (1u64 << 36) as f64;
+/// Units of the sum of directions, weighted by R·length, in a mm².
+const DIRECTION_UNIT: f64 = (1u64 << 30) as f64;
+
+/// The grids that a calculator counts on.
+#[derive(Clone, Copy, Debug)]
+pub struct Grids {
+    /// Densities.
+    pub cells: CellGrid,
+    /// Cells of the density grid along each edge of a cell of the grid of direction lists.
+    pub block: [u32; 3],
+    /// Directions as they are counted, before the cone.
+    pub raw: DirectionGrid,
+}
+
+impl Grids {
+    /// Cells of the grid of lists along each axis.
+    pub fn list_counts(&self) -> [u32; 3] {
+        [0, 1, 2].map(|axis| self.cells.counts[axis].div_ceil(self.block[axis]))
+    }
+
+    /// The list cell that holds a density cell.
+    pub fn list_of(&self, place: [u32; 3]) -> u32 {
+        let [nx, ny, _] = self.list_counts();
+        let [ix, iy, iz] = [0, 1, 2].map(|axis| place[axis] / self.block[axis]);
+        (iz * ny + iy) * nx + ix
+    }
+}
+
+/// Fibers of one kind in one list cell whose directions lie in one cell of the raw grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Key {
+    /// List cell.
+    pub list: u32,
+    /// Kind of fiber.
+    pub kind: u32,
+    /// Cell of the raw grid of directions.
+    pub bin: u32,
+}
+
+/// What was counted of a key.
+#[derive(Clone, Copy, Debug)]
+pub struct Gathered {
+    /// Σ R·length in units of 1/[`SURFACE_UNIT`] mm².
+    pub surface: u64,
+    /// Parts of pieces.
+    pub parts: u64,
+    /// Σ R·length·p, p of one sign in the bin.
+    direction: I64Vec3,
+    /// The first direction, and whether all are the same.
+    first: DVec3,
+    one: bool,
+}
+
+impl Gathered {
+    /// The mean direction.
+    pub fn mean(&self) -> DVec3 {
+        self.direction.as_dvec3().normalize_or(DVec3::Z)
+    }
+
+    /// The direction that all fibers share to 10⁻⁶, if they do.
+    pub fn only(&self) -> Option<DVec3> {
+        self.one.then_some(self.first)
+    }
+
+    /// Take in another count.
+    pub fn add(&mut self, other: &Gathered) {
+        self.surface += other.surface;
+        self.parts += other.parts;
+        // Directions on the horizon may have come with either sign.
+        let same = self.direction.as_dvec3().dot(other.direction.as_dvec3()) >= 0.0;
+        self.direction += if same { other.direction } else { -other.direction };
+        self.one &= other.one && self.first.cross(other.first).length() <= EXACT;
+    }
+}
+
+/// The counts of one realization.
+#[derive(Clone, Debug)]
+pub struct Count {
+    /// Σ R·length by density cell, in units of 1/[`SURFACE_UNIT`] mm².
+    pub surface: Vec<u64>,
+    /// By list cell, kind and direction.
+    pub directions: FxHashMap<Key, Gathered>,
+}
+
+/// Count all pieces of a realization.
+pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
+    let mut counted = Count { surface: vec![0; grids.cells.len()], directions: FxHashMap::default() };
+    let mut clipper = Clipper::new(grids.cells);
+    for piece in pieces {
+        let half = piece.direction * (piece.length / 2.0);
+        let whole = piece.radius * piece.length;
+        let bin = grids.raw.cell_of(piece.direction) as u32;
+        // Round the ends of the parts, not the parts: they add up to the piece.
+        let units = |share: f64| (share * whole * SURFACE_UNIT).round() as u64;
+        let gather = |directions: &mut FxHashMap<Key, Gathered>, (list, start, end): (u32, f64, f64), surface: u64| {
+            if end > start {
+                let key = Key { list, kind: piece.kind as u32, bin };
+                let direction = (piece.direction * (end - start) * whole * DIRECTION_UNIT).round().as_i64vec3();
+                let gathered = Gathered { surface, parts: 1, direction, first: piece.direction, one: true };
+                directions.entry(key).and_modify(|known| known.add(&gathered)).or_insert(gathered);
+            }
+        };
+        let (mut run, mut run_surface) = ((u32::MAX, 0.0, 0.0), 0);
+        let Count { surface, directions } = &mut counted;
+        clipper.parts(piece.centre - half, piece.centre + half, |place, start, end| {
+            let part = units(end) - units(start);
+            surface[grids.cells.index(place)] += part;
+            // Parts in one list cell follow each other.
+            let list = grids.list_of(place);
+            if list != run.0 {
+                gather(directions, run, run_surface);
+                (run, run_surface) = ((list, start, start), 0);
+            }
+            run.2 = end;
+            run_surface += part;
+        });
+        gather(&mut counted.directions, run, run_surface);
+    }
+    counted
+}

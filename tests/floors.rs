@@ -29,11 +29,8 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("rayon", &["reference", "distribution"]),
-<<<<<<< HEAD
     ("statrs", &["bsdf"]),
-=======
     ("rand", &["cloth"]),
->>>>>>> weave
 ];
 
 fn floor(room: &str) -> usize {

@@ -243,10 +243,11 @@ fn a_cloth_is_a_sheet_or_a_weave() {
         (yarns, "[yarn]\na = 3\n", "5:5: `yarn.a` is 3, but must be a table: [yarn.NAME] describes a yarn"),
     ]);
     let place = Place::new();
-    place.write("cloth.toml", CLOTH);
-    let outcome = place.run(&["measure", "cloth.toml"]);
-    let message = "error: a woven cloth cannot be measured yet; describe a [sheet]\n";
-    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(2), message));
+    for flag in [["--cells", "4x4x4"], ["--cone", "3"]] {
+        let outcome = place.run(&["measure", "felt", flag[0], flag[1]]);
+        let message = format!("error: {}:1:1: it belongs to a woven cloth; leave it out\n", flag[0]);
+        assert_eq!((outcome.code, outcome.stderr), (Some(2), message));
+    }
 }
 
 #[test]
@@ -285,16 +286,16 @@ fn the_model_of_a_weave_has_cells_and_a_cone() {
     let with = |lines: &str| parse(&format!("{CLOTH}[model]\n{lines}\n"));
     let model = with("cells = [32, 24, 8]\ncone_deg = 5").expect("it is right").model;
     assert_eq!(model.cells, Some([32, 24, 8]));
-    assert!((model.cone - 5f64.to_radians()).abs() < 1e-12);
+    assert!((model.cone.unwrap_or(0.0) - 5f64.to_radians()).abs() < 1e-12);
     let plain = parse(CLOTH).expect("it is right").model;
-    assert!(plain.cells.is_none() && (plain.cone - 2f64.to_radians()).abs() < 1e-12);
+    assert!(plain.cells.is_none() && (plain.cone.unwrap_or(0.0) - 2f64.to_radians()).abs() < 1e-12);
     let cells = "but must be three whole numbers [nx, ny, nz] from 1 to 256";
     for (lines, message) in [
         ("cells = 32", format!("21:9: `model.cells` is 32, {cells}")),
         ("cells = [32, 32]", format!("21:9: `model.cells` is [32, 32], {cells}")),
         ("cells = [32, 32, 0]", format!("21:18: `model.cells` is 0, {cells}")),
         ("cells = [32, 32, 257]", format!("21:18: `model.cells` is 257, {cells}")),
-        ("cone_deg = 0", "21:12: `model.cone_deg` is 0, but must be a number above 0 and at most 90".into()),
+        ("cone_deg = -1", "21:12: `model.cone_deg` is -1, but must be a number from 0 to 90".into()),
     ] {
         let error = with(lines).expect_err(lines);
         assert_eq!(error.to_string(), format!("cloth.toml:{message}"));
@@ -304,7 +305,7 @@ fn the_model_of_a_weave_has_cells_and_a_cone() {
         model.set_from_flag(key, text).unwrap_or_else(|error| panic!("{error}"));
     }
     assert_eq!((model.cells, model.directions), (Some([24, 24, 8]), 4096));
-    assert!((model.cone - 3f64.to_radians()).abs() < 1e-12);
+    assert!((model.cone.unwrap_or(0.0) - 3f64.to_radians()).abs() < 1e-12);
     let error = model.set_from_flag("cells", "24x24").expect_err("a count is missing");
     assert_eq!(error.to_string(), format!("--cells:1:1: `cells` is 24x24, {cells}"));
     let error = model.set_from_flag("placement", "5").expect_err("it is no word");

@@ -2,11 +2,11 @@
 
 use super::show::{grouped, reciprocity_lines, totals_table};
 use super::{one_line, print};
+use fiberwalk::distribution::{Gathering, SpecificLength};
 use fiberwalk::measure::{
-    ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare, run as measure,
+    ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare_with, run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
-use fiberwalk::distribution::{Gathering, SpecificLength};
 use fiberwalk::scene::{Scene, Source, Structure};
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -115,8 +115,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     // Check everything that can be wrong before the first walk.
     let source = Source::find(&arguments.cloth)?;
-    let scene = arguments.apply(Scene::parse(&source)?)?;
-    let prepared = prepare(&scene)?;
+    let mut scene = arguments.apply(Scene::parse(&source)?)?;
+    let counting = if arguments.quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
+    let style = ProgressStyle::with_template("{bar:30} {percent}% counting the fibers, {eta} left");
+    counting.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let prepared = prepare_with(&scene, |share| counting.set_position((1000.0 * share) as u64))?;
+    counting.finish_and_clear();
+    if prepared.gathering.is_some() {
+        // Tell the cells that were chosen.
+        scene.model.cells = Some(prepared.specific_length.cells.counts);
+    }
     let cells = prepared.goniometer.starts() as u64;
     let most = MAX_WALKS / cells;
     if let Some(walks) = arguments.walks.filter(|walks| *walks > most) {

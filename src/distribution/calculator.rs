@@ -17,8 +17,8 @@ const EDGE: f64 = 4.0;
 /// Most cells along an axis, and in all.
 const MOST_ALONG: u32 = 256;
 const MOST_CELLS: usize = 1 << 21;
-/// Standard error of the densities at which there are realizations enough, relative to their root mean square.
-const PRECISION: f64 = 0.05;
+/// The effort of a run.
+const USUAL: Effort = Effort::Precision(0.05);
 /// Fewest and most realizations.
 const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
@@ -30,6 +30,22 @@ const SEED: u64 = 0;
 const MAX_VOLUME_FRACTION: f64 = 0.9;
 /// Standard errors by which a cell must be too full to be refused: once in 3·10⁶ cells by chance.
 const SURELY: f64 = 5.0;
+
+/// How many realizations to count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// So many, at least 2.
+    Realizations(u64),
+    /// As many, from 32 to 4096, as bring the standard error of the densities of cells below this share of their root mean
+    /// square.
+    Precision(f64),
+}
+
+impl Default for Effort {
+    fn default() -> Effort {
+        USUAL
+    }
+}
 
 /// How the specific length of a cloth was gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,19 +65,22 @@ pub struct Gathering {
 }
 
 impl SpecificLength {
-    /// Count the fibers of a woven cloth: the mean over realizations, as many as bring the error of the densities to
-    /// 5 %. `progress` is told the share that is done.
+    /// Count the fibers of a woven cloth: the mean over realizations. `progress` is told the share that is done.
     ///
     /// # Errors
     /// [`Error::Input`] when the fibers fill more than 0.9 of a cell; it names the cell and a grid that cures it.
     pub fn of_cloth(
         cloth: &Cloth,
         model: &Model,
+        effort: Effort,
         mut progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
         let grids = grids(cloth, model);
         let mut sums = Sums::new(&grids);
-        let mut wanted = FEWEST;
+        let mut wanted = match effort {
+            Effort::Realizations(count) => count.max(2),
+            Effort::Precision(_) => FEWEST,
+        };
         loop {
             for first in (sums.realizations..wanted).step_by(CHUNK as usize) {
                 let numbers = first..(first + CHUNK).min(wanted);
@@ -70,12 +89,13 @@ impl SpecificLength {
                 counts.iter().for_each(|count| sums.add(count));
                 progress(sums.realizations as f64 / wanted as f64);
             }
+            let Effort::Precision(precision) = effort else { break };
             let error = sums.error();
-            if error <= PRECISION || wanted >= MOST {
+            if error <= precision || wanted >= MOST {
                 break;
             }
             // The error falls with the root of the realizations.
-            let needed = (sums.realizations as f64 * (error / PRECISION).powi(2)).ceil() as u64;
+            let needed = (sums.realizations as f64 * (error / precision).powi(2)).ceil() as u64;
             wanted = needed.clamp(wanted + CHUNK, MOST);
         }
         sums.finish(cloth, model, &grids)
@@ -163,7 +183,8 @@ impl Sums {
     fn finish(&self, cloth: &Cloth, model: &Model, grids: &Grids) -> Result<(SpecificLength, Gathering)> {
         let grid = DirectionGrid { n: model.directions.isqrt() };
         let radius = |kind: usize| cloth.kinds()[kind].radius;
-        let Lists { lists, of_cell, spread_error } = make_lists(&self.directions, grids.raw, grid, model.cone, radius);
+        let Lists { lists, of_cell, spread_error } =
+            make_lists(&self.directions, grids.raw, grid, model.cone.unwrap_or_default(), radius);
         let edges = grids.cells.edges();
         let scale = 1.0 / (SURFACE_UNIT * self.realizations as f64 * edges.x * edges.y * edges.z);
         // v = π Σ R² F = π ⟨R²F⟩/⟨RF⟩ Σ R F.
@@ -179,7 +200,8 @@ impl Sums {
             Cell { surface: *surface as f64 * scale, placement: 1.0, list }
         };
         let values: Vec<Cell> = self.surface.iter().zip(grids.cells.places()).map(cell).collect();
-        let fraction = |cell: &Cell| if cell.surface > 0.0 { cell.surface * thickness[cell.list as usize] } else { 0.0 };
+        let fraction =
+            |cell: &Cell| if cell.surface > 0.0 { cell.surface * thickness[cell.list as usize] } else { 0.0 };
         let fractions: Vec<f64> = values.iter().map(fraction).collect();
         let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * self.relative_error(i));
         let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b))).unwrap_or_default();

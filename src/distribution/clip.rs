@@ -92,11 +92,11 @@ mod tests {
         let grid = CellGrid { counts: [4, 4, 1], period: DVec2::ONE, thickness: 1.0 };
         let mut parts = Vec::new();
         let mut clipper = Clipper::new(grid);
-        clipper.parts(DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), |place, ..| parts.push(place));
+        clipper.parts(DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), |place, _, _| parts.push(place));
         assert_eq!(parts, [[2, 0, 0], [2, 1, 0]]);
         parts.clear();
         let point = DVec3::new(-1e-18, 0.3, -0.2);
-        clipper.parts(point, point, |place, ..| parts.push(place));
+        clipper.parts(point, point, |place, _, _| parts.push(place));
         assert_eq!(parts.len(), 1);
         assert!(parts[0][0] < 4);
     }

@@ -101,7 +101,8 @@ impl Shape {
         let places = self.shares.keys().chain(other.shares.keys().filter(|place| !self.shares.contains_key(place)));
         let (mut chi_square, mut freedom) = (0.0, 0.0);
         for place in places {
-            let [a, b] = [self, other].map(|shape| shape.shares.get(place).copied().unwrap_or_default() / shape.surface);
+            let [a, b] =
+                [self, other].map(|shape| shape.shares.get(place).copied().unwrap_or_default() / shape.surface);
             chi_square += (a - b).powi(2) / (a / self.parts + b / other.parts);
             freedom += 1.0;
         }
@@ -137,7 +138,8 @@ impl Maker {
             let bins: Vec<(u32, &Gathered)> =
                 raw.bins.range((kind, 0)..=(kind, u32::MAX)).map(|((_, bin), gathered)| (*bin, gathered)).collect();
             let only = bins.first().and_then(|(_, first)| first.only());
-            let same = |p: &DVec3| bins.iter().all(|(_, bin)| bin.only().is_some_and(|q| q.cross(*p).length() <= EXACT));
+            let same =
+                |p: &DVec3| bins.iter().all(|(_, bin)| bin.only().is_some_and(|q| q.cross(*p).length() <= EXACT));
             let only = only.filter(same);
             for &(number, bin) in &bins {
                 let surface = bin.surface as f64 / SURFACE_UNIT;
@@ -199,7 +201,8 @@ impl Maker {
             let tabulated: Vec<(Patch, f64)> =
                 shape.shares.iter().map(|((_, place), share)| (self.patch(*place), share / shape.surface)).collect();
             let bins = raw[&cell].bins.values();
-            let counted: Vec<(DVec3, f64)> = bins.map(|bin| (bin.mean(), bin.surface as f64 / surface as f64)).collect();
+            let counted: Vec<(DVec3, f64)> =
+                bins.map(|bin| (bin.mean(), bin.surface as f64 / surface as f64)).collect();
             let rays: Vec<DVec3> = cone_points(DVec3::Z, std::f64::consts::FRAC_PI_2, 256)
                 .chain(counted.iter().map(|(p, _)| *p).take(64))
                 .chain(tabulated.iter().map(|(patch, _)| direction_of(patch.centre())).take(64))

@@ -60,8 +60,10 @@ impl SpecificLength {
                     let parts = smear(&cone, grid);
                     // Look along the bundle too: there H is least and the smear shows most.
                     let near = cone_points(axis, (spread + 2.0 * grid.cell_angle()).min(PI / 2.0), CONE_POINTS);
-                    let rays = cone_points(DVec3::Z, PI / 2.0, CONE_POINTS).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
-                    let stated: Vec<(DVec3, f64)> = cone.iter().step_by(16).map(|p| (*p, 16.0 / f64::from(CONE_POINTS))).collect();
+                    let rays =
+                        cone_points(DVec3::Z, PI / 2.0, CONE_POINTS).step_by(RAY_STEP).chain(near.step_by(RAY_STEP));
+                    let stated: Vec<(DVec3, f64)> =
+                        cone.iter().step_by(16).map(|p| (*p, 16.0 / f64::from(CONE_POINTS))).collect();
                     let error = visible_area_error(&parts, &stated, rays.chain([axis]));
                     spread_error = spread_error.max(error);
                     parts

@@ -21,11 +21,7 @@ pub fn cone_points(axis: DVec3, spread: f64, points: u32) -> impl Iterator<Item 
 
 /// Largest error of ⟨|m × p|⟩ of tabulated patches against stated directions over rays m, relative to its largest value;
 /// the shares of each add up to 1.
-pub fn visible_area_error(
-    parts: &[(Patch, f64)],
-    stated: &[(DVec3, f64)],
-    rays: impl Iterator<Item = DVec3>,
-) -> f64 {
+pub fn visible_area_error(parts: &[(Patch, f64)], stated: &[(DVec3, f64)], rays: impl Iterator<Item = DVec3>) -> f64 {
     let within = [0.125, 0.375, 0.625, 0.875];
     let tabulated: Vec<(DVec3, f64)> = parts
         .iter()

@@ -4,7 +4,7 @@ use super::engine::ChosenEngine;
 use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::cloth::Cloth;
-use crate::distribution::{DirectionGrid, Gathering, SpecificLength};
+use crate::distribution::{DirectionGrid, Effort, Gathering, SpecificLength};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Moments, Tally};
 use crate::scene::{Scene, Structure};
@@ -86,7 +86,8 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
             (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None)
         }
         Structure::Weave(_) => {
-            let (length, gathering) = SpecificLength::of_cloth(&Cloth::new(scene)?, &scene.model, progress)?;
+            let (length, gathering) =
+                SpecificLength::of_cloth(&Cloth::new(scene)?, &scene.model, Effort::default(), progress)?;
             (length, Some(gathering))
         }
     };

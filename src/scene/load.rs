@@ -107,9 +107,9 @@ impl Scene {
         let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
         let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
         let structure = read_structure(&root, &fibers)?;
-        let mut model = Model::default();
+        let mut model = Model::of(matches!(structure, Structure::Weave(_)));
         if let Some(value) = root.get("model") {
-            model.read(&value.table()?, matches!(structure, Structure::Weave(_)))?;
+            model.read(&value.table()?)?;
         }
         let mut measure = Measure::default();
         if let Some(value) = root.get("measure") {

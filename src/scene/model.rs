@@ -2,7 +2,7 @@
 
 use super::reader::{Allowed, Document, Table, Value};
 use crate::error::Result;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use toml::de::DeValue;
 
 /// How the next collision is drawn.
@@ -33,13 +33,15 @@ pub struct Model {
     /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
     pub length_over_radius: f64,
     /// Cells of the repeat of a weave along x, y and z; none for the program's choice.
-    #[serde(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<[u32; 3]>,
-    /// Half angle ω in radians of the cone that a direction of a weave is gathered from (paper §5).
-    #[serde(skip)]
-    pub cone: f64,
+    /// Half angle ω in radians of the cone that a direction of a weave is gathered from (paper §5); none for a sheet.
+    #[serde(rename = "cone_deg", serialize_with = "in_degrees", skip_serializing_if = "Option::is_none")]
+    pub cone: Option<f64>,
 }
 
+/// The cone of a weave where the file does not say, in radians.
+const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
 const KEYS: [&str; 6] = ["tracking", "placement", "directions", "length_over_radius", "cells", "cone_deg"];
 
 impl Default for Model {
@@ -50,13 +52,19 @@ impl Default for Model {
             directions: 1024,
             length_over_radius: f64::INFINITY,
             cells: None,
-            cone: 2f64.to_radians(),
+            cone: None,
         }
     }
 }
 
 impl Model {
-    pub(super) fn read(&mut self, table: &Table, woven: bool) -> Result<()> {
+    /// The settings of a weave or a sheet where the file does not say.
+    pub(super) fn of(woven: bool) -> Model {
+        Model { cone: woven.then_some(CONE), ..Model::default() }
+    }
+
+    pub(super) fn read(&mut self, table: &Table) -> Result<()> {
+        let woven = self.cone.is_some();
         let not_woven = "belongs to a [weave]; leave it out";
         let (known, planned) = if woven { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(4) };
         table.expect_keys(known, &planned.iter().map(|key| (*key, not_woven)).collect::<Vec<_>>())?;
@@ -77,7 +85,11 @@ impl Model {
         let document = Document { file: format!("--{key}"), source: text };
         let word = || toml::Spanned::new(0..text.len(), DeValue::String(text.into()));
         let value = DeValue::parse(text).unwrap_or_else(|_| word());
-        self.set(key, &Value::alone(&document, key, &value))
+        let value = Value::alone(&document, key, &value);
+        if self.cone.is_none() && ["cells", "cone"].contains(&key) {
+            return Err(value.error("it belongs to a woven cloth; leave it out"));
+        }
+        self.set(key, &value)
     }
 
     fn set(&mut self, key: &str, value: &Value) -> Result<()> {
@@ -91,7 +103,7 @@ impl Model {
             }
             "directions" => self.directions = read_directions(value)?,
             "cells" => self.cells = Some(read_cells(value)?),
-            "cone_deg" | "cone" => self.cone = value.number(Allowed::above(0.0, 90.0))?.to_radians(),
+            "cone_deg" | "cone" => self.cone = Some(value.number(Allowed::from(0.0, 90.0))?.to_radians()),
             _ if value.is_infinite() => self.length_over_radius = f64::INFINITY,
             _ => {
                 let number = value.number(Allowed::from(1.0, 1e9));
@@ -100,6 +112,12 @@ impl Model {
         }
         Ok(())
     }
+}
+
+/// Write radians as degrees.
+fn in_degrees<S: Serializer>(radians: &Option<f64>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    // Without the noise of the conversion.
+    radians.map(|radians| (radians.to_degrees() * 1e9).round() / 1e9).serialize(serializer)
 }
 
 fn read_cells(value: &Value) -> Result<[u32; 3]> {

@@ -156,18 +156,21 @@ fn grids() -> Vec<(&'static str, CellCloth)> {
     ]
 }
 
-/// z of the direct light of each direction; the walks go through densities that count `factor` times.
-fn direct_z(name: &str, engine: &dyn Engine, stated: &CellCloth, factor: f64, seed: u64) -> Vec<f64> {
+/// The worst z of the direct light of a cloth over all directions, for each engine; the walks go through densities that
+/// count `factor` times.
+fn direct_z(what: &str, stated: &CellCloth, factor: f64, seed: u64) -> [f64; 2] {
     let walks = 400_000;
+    let expected = ANGLES.map(|angles| straight(stated, from_degrees(angles)));
+    assert!(expected.iter().all(|share| *share > 1e-3), "{what}: hardly any light comes through: {expected:?}");
     let mut cloth = stated.clone();
     cloth.cells.iter_mut().for_each(|cell| cell.0 *= factor);
-    let tally = run_cells(name, engine, &cloth, seed, walks);
-    let z = |(start, angles): (usize, &[f64; 2])| {
-        let expected = straight(stated, from_degrees(*angles));
-        assert!(expected > 1e-3, "{angles:?}: hardly any light comes through");
-        binomial_z(tally.direct(start), walks, expected)
-    };
-    ANGLES.iter().enumerate().map(z).collect()
+    engines().map(|(name, engine)| {
+        let tally = run_cells(name, engine, &cloth, seed, walks);
+        let z: Vec<f64> =
+            (0..).zip(expected).map(|(start, share)| binomial_z(tally.direct(start), walks, share)).collect();
+        println!("{name}, {what}, density × {factor}: z = {z:.1?}");
+        largest(&z)
+    })
 }
 
 #[test]
@@ -180,22 +183,17 @@ fn straight_rays_have_their_closed_form_in_columns() {
 #[test]
 fn direct_light_goes_straight_through_cells() {
     for (i, (what, cloth)) in grids().into_iter().enumerate() {
-        for (name, engine) in engines() {
-            let z = direct_z(name, engine, &cloth, 1.0, 600 + i as u64);
-            println!("{name}, {what}: z = {z:.1?}");
-            assert!(largest(&z) < GATE, "{name}, {what}: z = {z:.1?}");
-        }
+        let z = direct_z(what, &cloth, 1.0, 600 + i as u64);
+        assert!(largest(&z) < GATE, "{what}: {z:.1?}");
     }
 }
 
 #[test]
 fn direct_light_shows_densities_that_are_off() {
     for (i, ((what, cloth), factor)) in grids().into_iter().zip([1.016, 1.016, 1.017, 1.019, 1.022]).enumerate() {
-        for (name, engine) in engines() {
-            let z = direct_z(name, engine, &cloth, factor, 700 + i as u64);
-            println!("{name}, {what}, density × {factor}: z = {z:.1?}");
-            assert!(largest(&z) > GATE, "{name}, {what}: z = {z:.1?}");
-        }
+        // Each stands at 8 to 10 σ in its worst direction.
+        let z = direct_z(what, &cloth, factor, 700 + i as u64);
+        assert!(z.iter().all(|z| *z > GATE), "{what}: {z:.1?}");
     }
 }
 

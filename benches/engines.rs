@@ -30,6 +30,7 @@ struct Case<'a> {
     disc: bool,
     jitter: bool,
     texture: bool,
+    cells_in_texture: bool,
     walks: u64,
 }
 
@@ -80,6 +81,7 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
             disc: true,
             jitter: true,
             texture: false,
+            cells_in_texture: false,
             walks,
         };
         cases.push(plain("cpu", None, walks / 4));
@@ -97,7 +99,11 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
 /// Cells of an open plain weave and of a dense twill.
 fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     let mut cases = Vec::new();
-    for (name, weave, walks) in [("voile", weaves::VOILE, 2_000_000), ("denim", weaves::DENIM, 500_000)] {
+    // The coarse grid fits a uniform buffer.
+    let coarse = weaves::Weave { counts: [24, 24, 7], ..weaves::VOILE };
+    for (name, weave, walks) in
+        [("voile", weaves::VOILE, 4_000_000), ("coarse voile", coarse, 4_000_000), ("denim", weaves::DENIM, 1_000_000)]
+    {
         let tables = Rc::new(weave.tables());
         if let Some(cells) = &tables.cells {
             let empty =
@@ -116,10 +122,16 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
             disc: true,
             jitter: true,
             texture: false,
+            cells_in_texture: false,
             walks,
         };
         cases.push(case("cpu", None, walks / 8));
-        cases.extend(gpu.map(|gpu| case("gpu", Some(gpu), walks)));
+        let Some(gpu) = gpu else { continue };
+        cases.push(case("gpu", Some(gpu), walks));
+        if name == "coarse voile" {
+            let name = format!("gpu, {name}, cells in a texture");
+            cases.push(Case { name, cells_in_texture: true, ..case("", Some(gpu), walks) });
+        }
     }
     cases
 }
@@ -152,7 +164,11 @@ fn run(case: &Case) -> (f64, Tally) {
     let cells = goniometer.incident_cells() as u64;
     let plan = WalkPlan { jitter: case.jitter, ..WalkPlan::new(1, case.walks / cells) };
     let started = Instant::now();
-    let settings = Settings { table_in_texture: Some(case.texture), ..Settings::default() };
+    let settings = Settings {
+        table_in_texture: Some(case.texture),
+        cells_in_texture: Some(case.cells_in_texture),
+        ..Settings::default()
+    };
     let result = match case.gpu {
         Some(gpu) => gpu.run_with(settings, tables, &goniometer, &plan, &mut |_| {}).map(|(tally, _)| tally),
         None => Reference.run(tables, &goniometer, &plan, &mut |_| {}),

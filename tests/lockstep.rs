@@ -142,6 +142,15 @@ fn walks_through_cells_agree() {
 }
 
 #[test]
+fn walks_through_empty_layers_agree() {
+    let base = Cloth::isotropic(1.0).lit_from("[[20, 40], [60, 15], [75, -70]]");
+    let layers = CellCloth::new(base, [3, 2, 6], [0.8, 0.3], |[x, _, z]| {
+        [0.0, 3.0, 0.0, 0.0, 1.0, 0.0][z as usize] * (1.0 + f64::from(x))
+    });
+    check_setup(layers.prepare(), 40_000, 2e-4);
+}
+
+#[test]
 fn a_cell_that_is_one_percent_denser_is_noticed() {
     let cells = random_cells(1);
     let mut bent = cells.clone();

@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::probes::{CALLS, ULP, bits, rounded, vector, words};
 use common::tracer::Trace;
 use common::{Cloth, ISOTROPIC, PLANAR, SplitMix, aligned, gpu};
 use fiberwalk::goniometer::Outcome;
@@ -12,32 +13,6 @@ use fiberwalk::optics::{Encounter, reflectance};
 use fiberwalk::scene::Side;
 use fiberwalk::walk::{EventDraws, Purpose, draw, start_draws, threefry};
 use glam::{DVec2, DVec3};
-
-const CALLS: usize = 1 << 14;
-
-/// One rounding of an f32 near 1.
-const ULP: f64 = 1.2e-7;
-
-fn words(random: &mut SplitMix) -> [u32; 4] {
-    [random.word(), random.word()].map(|word| [word as u32, (word >> 32) as u32]).concat().try_into().expect("four")
-}
-
-fn vector(words: [u32; 4]) -> DVec3 {
-    DVec3::new(
-        f64::from(f32::from_bits(words[0])),
-        f64::from(f32::from_bits(words[1])),
-        f64::from(f32::from_bits(words[2])),
-    )
-}
-
-fn bits(v: DVec3, last: f32) -> [u32; 4] {
-    [(v.x as f32).to_bits(), (v.y as f32).to_bits(), (v.z as f32).to_bits(), last.to_bits()]
-}
-
-/// The vector as f32 holds it.
-fn rounded(v: DVec3) -> DVec3 {
-    v.as_vec3().as_dvec3()
-}
 
 /// Call a probe on a cloth.
 fn probe(cloth: &Cloth, in_texture: bool, entry: &str, inputs: &[ProbeInput]) -> Vec<[u32; 4]> {

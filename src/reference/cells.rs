@@ -23,6 +23,11 @@ impl Station {
     pub fn fly(&mut self, grid: &CellGrid, m: DVec3, path: f64) {
         self.place += m * path;
         self.blur = self.blur.max(path);
+        self.come_back(grid);
+    }
+
+    /// Bring the place back into the repeat.
+    fn come_back(&mut self, grid: &CellGrid) {
         self.place.x = self.place.x.rem_euclid(grid.period.x);
         self.place.y = self.place.y.rem_euclid(grid.period.y);
     }
@@ -60,7 +65,7 @@ impl Station {
         let (path, at) = (distance(first), face(first));
         self.place += m * path;
         self.place[first] = at;
-        // A ray meets a face at a flat angle where an error of its direction says.
+        // Where a ray meets a face at a flat angle, an error of its direction moves the place further.
         self.blur = self.blur.max(path / m[first].abs());
     }
 

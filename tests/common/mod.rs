@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod cells;
+pub mod probes;
 pub mod sheet;
 pub mod stats;
 pub mod tracer;

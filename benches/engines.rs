@@ -149,6 +149,7 @@ fn sheet(depth: f64) -> SamplingTables {
         patches,
         patch_unit: grid.unit(),
         cells: None,
+        visible: None,
     }
 }
 

@@ -90,6 +90,11 @@ struct Lane {
     /// How far it is empty around that place, as `cell_entry` says.
     reach: u32,
     next_reach: u32,
+    /// Optical depth that is left of a flight by the table of H; negative when the next flight sets out.
+    depth_left: f32,
+    /// Fibers refused at the collision, and one more once it is reached.
+    refused: u32,
+    spare: vec2u,
 }
 
 /// Sums over all lanes; pairs are low and high words.

@@ -6,10 +6,15 @@ override TABLE_IN_TEXTURE: bool = false;
 /// Directions are drawn inside the patch of a table entry; without it an entry is one direction.
 override JITTER: bool = true;
 
+/// An exponential deviate of mean 1.
+fn exponential(word: u32) -> f32 {
+    // The logarithm of a number just below 1 may come out above 0.
+    return max(-log((f32(word) + 0.5) * 0x1p-32), 0.0);
+}
+
 /// Distance along the ray to the next tentative event, in mm.
 fn free_path(word: u32) -> f32 {
-    // The logarithm of a number just below 1 may come out above 0.
-    return max(-log((f32(word) + 0.5) * 0x1p-32), 0.0) * P.mean_free_path;
+    return exponential(word) * P.mean_free_path;
 }
 
 /// One entry of the direction table. Word w is its alias and threshold.
@@ -31,6 +36,11 @@ fn table_index(word: u32, list: u32) -> u32 {
     let slot = word >> threshold_bits;
     let packed = table_entry(first + slot).w;
     return first + select(packed >> threshold_bits, slot, (word & mask) < (packed & mask));
+}
+
+/// The entry behind those of a list.
+fn list_end(list: u32) -> u32 {
+    return select(1u << (32u - P.threshold_bits), (list & 0xffffffu) + (1u << (list >> 24u)), CELLS);
 }
 
 /// A fiber: its direction and its kind.

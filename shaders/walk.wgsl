@@ -48,15 +48,15 @@ fn step(lane: ptr<function, Lane>) {
     let walking = (*lane).state == WALKING;
     let words = threefry(P.seed, vec4u((*lane).id, (*lane).event, PURPOSE_EVENT));
     let m = (*lane).ray.xyz;
-    let site = fly(lane, m, free_path(words.x));
+    let site = fly(lane, m, words.x);
     // Draw the fiber there and see whether the ray hits it.
     let fiber = draw_fiber(words, site.list);
     let across = cross(m, fiber.p);
     let visible = max(length(across), 1e-12);
-    let seen = select(visible, max(site.share * visible, 1e-12), CELLS);
+    let seen = select(visible, max(site.share * visible, 1e-12), CELLS && VISIBLE_N == 0u);
     let accept = uniform_open(words.z);
     let inside = site.inside;
-    let hit = inside && accept < seen;
+    let hit = site.arrived && accept < seen;
     let offset = 2.0 * uniform_open(words.w) - 1.0;
     // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
     let number = select(0.0, accept / seen, hit);
@@ -80,35 +80,36 @@ fn step(lane: ptr<function, Lane>) {
         (*lane).place = select((*lane).place, site.place, walking);
         (*lane).reach = select((*lane).reach, site.reach, walking);
     }
+    if VISIBLE_N > 0u {
+        // Where all fibers are nearly parallel to the ray, the table's H is its error: give the collision up.
+        let refused = select(0u, (*lane).refused + 1u, site.arrived);
+        let done = hit || refused > MOST_REFUSALS;
+        (*lane).refused = select((*lane).refused, select(refused, 0u, done), walking);
+        (*lane).depth_left = select((*lane).depth_left, select(site.depth, -1.0, done), walking);
+    }
     (*lane).event = event;
     (*lane).hits += select(0u, 1u, walking && hit);
     (*lane).state = select((*lane).state, LEFT, walking && (!inside || lost || ended));
     change_walk(lane);
 }
 
-/// Where a flight has come to an end, and what is there.
-struct Site {
-    z: f32,
-    place: vec2f,
-    inside: bool,
-    /// The share of the majorant's events, and the list of fibers.
-    share: f32,
-    list: u32,
-    reach: u32,
-}
-
-/// Fly to the next tentative event.
-fn fly(lane: ptr<function, Lane>, m: vec3f, path: f32) -> Site {
+/// Fly through one event.
+fn fly(lane: ptr<function, Lane>, m: vec3f, word: u32) -> Site {
+    if VISIBLE_N > 0u {
+        return march((*lane).ray, (*lane).place, (*lane).refused > 0u, (*lane).depth_left, word);
+    }
+    let path = free_path(word);
     if CELLS {
         let speed = m * P.per_edge.xyz;
         let begin = skip_empty(vec3f((*lane).place, (*lane).ray.w), (*lane).reach, speed);
         let place = come_back(begin + speed * path);
         let inside = place.z >= 0.0 && place.z <= P.counts.z;
         let entry = cell_entry(cell_of(place));
-        return Site(place.z, place.xy, inside, bitcast<f32>(entry.x), entry.z, entry.w);
+        return Site(place.z, place.xy, inside, inside, bitcast<f32>(entry.x), entry.z, entry.w, 0.0);
     }
     let z = (*lane).ray.w + m.z * path;
-    return Site(z, vec2f(0.0), z <= 0.0 && z >= -P.thickness, 1.0, 0u, 0u);
+    let inside = z <= 0.0 && z >= -P.thickness;
+    return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0);
 }
 
 /// Play Russian roulette, every 16 events, with a walk whose brightest channel may have kept little: it goes on with the
@@ -156,6 +157,10 @@ fn change_walk(lane: ptr<function, Lane>) {
     if CELLS {
         (*lane).place = select((*lane).place, (*lane).next_place, starting);
         (*lane).reach = select((*lane).reach, (*lane).next_reach, starting);
+    }
+    if VISIBLE_N > 0u {
+        (*lane).refused = select((*lane).refused, 0u, starting);
+        (*lane).depth_left = select((*lane).depth_left, -1.0, starting);
     }
     if ABSORBING {
         (*lane).lengths = select((*lane).lengths, vec4f(0.0), starting);

@@ -48,7 +48,7 @@ pub struct Arguments {
     /// No notes and no progress, only results and errors
     #[arg(long)]
     quiet: bool,
-    /// How the next collision is drawn: null-collision
+    /// How the next collision is drawn: null-collision or tabulated
     #[arg(long, value_name = "TRACKING")]
     tracking: Option<String>,
     /// Where the next flight starts: at-hit

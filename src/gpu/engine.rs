@@ -4,7 +4,7 @@ use super::adapter::{self, Kind};
 use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
-use super::pack::{absorption_table, cell_table, direction_table, incident_table};
+use super::pack::{absorption_table, cell_table, direction_entries, direction_table, incident_table};
 use super::params::{counts, params, start_words};
 use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
@@ -173,7 +173,7 @@ impl<'a> Run<'a> {
             flush_every,
             // Divergent reads of a uniform buffer are slow on hardware; a texture is slower than that in software.
             in_texture: InTexture {
-                directions: large(tables.patches.len()) || settings.table_in_texture.unwrap_or(hardware),
+                directions: large(direction_entries(tables)) || settings.table_in_texture.unwrap_or(hardware),
                 cells: large(cells) || settings.cells_in_texture.unwrap_or(hardware),
             },
             jitter: plan.jitter,
@@ -185,6 +185,7 @@ impl<'a> Run<'a> {
             bases: tables.half_length.is_finite(),
             roulette,
             cells: cells > 0,
+            visible_n: tables.visible.as_ref().map_or(0, |visible| visible.n),
         };
         let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };
         let channels = tables.absorbing().then(|| tables.channels());

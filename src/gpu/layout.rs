@@ -53,6 +53,7 @@ gpu_struct! {
         block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], log_gain: f32,
         pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
         place: [f32; 2], next_place: [f32; 2], reach: u32, next_reach: u32,
+        depth_left: f32, refused: u32, spare: [u32; 2],
     }
 }
 

@@ -7,7 +7,7 @@ use crate::scene::{MAX_KINDS, Side};
 use crate::tables::{CellEntry, Kind, SamplingTables};
 
 /// One vector an entry: the patch, or its middle direction when there is no jitter, with the kind of fiber; w = alias and
-/// threshold.
+/// threshold. Behind the entries of each list, for tracking by tables, H(m) at the corners of each cell of rays.
 pub fn direction_table(tables: &SamplingTables, jitter: bool) -> Vec<[u32; 4]> {
     let entry = |((patch, kind), word): ((&Patch, &u8), &u32)| {
         let kind = u32::from(*kind);
@@ -19,8 +19,29 @@ pub fn direction_table(tables: &SamplingTables, jitter: bool) -> Vec<[u32; 4]> {
             [x, y, z & !3 | kind, *word]
         }
     };
-    let words = tables.lists.iter().flat_map(|list| list.alias.words());
-    tables.patches.iter().zip(&tables.entry_kinds).zip(words).map(entry).collect()
+    let mut table = Vec::with_capacity(direction_entries(tables));
+    for (index, list) in tables.lists.iter().enumerate() {
+        let first = list.first as usize;
+        let range = first..first + list.alias.words().len();
+        let entries = tables.patches[range.clone()].iter().zip(&tables.entry_kinds[range]).zip(list.alias.words());
+        table.extend(entries.map(entry));
+        if let Some(visible) = &tables.visible {
+            let cells = (0..visible.n).flat_map(|row| (0..visible.n).map(move |column| (column, row)));
+            let corners = |(x, y)| [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+            table.extend(cells.map(|cell| corners(cell).map(|(x, y)| visible.node(index as u32, x, y).to_bits())));
+        }
+    }
+    table
+}
+
+/// Vectors of the direction table.
+pub fn direction_entries(tables: &SamplingTables) -> usize {
+    tables.patches.len() + tables.lists.len() * visible_cells(tables) as usize
+}
+
+/// Cells of rays behind each list.
+fn visible_cells(tables: &SamplingTables) -> u32 {
+    tables.visible.as_ref().map_or(0, |visible| visible.n * visible.n)
 }
 
 /// One vector a cell: share and placement factor (f32), first entry and index bits of its list, reach across and along.
@@ -29,7 +50,8 @@ pub fn cell_table(tables: &SamplingTables) -> Vec<[u32; 4]> {
         let list = &tables.lists[cell.list as usize];
         let [share, placement] = [cell.share, cell.placement].map(|value| (value as f32).to_bits());
         let reach = u32::from(cell.reach.across) | u32::from(cell.reach.along) << 16;
-        [share, placement, list.first | list.alias.index_bits() << 24, reach]
+        let first = list.first + cell.list * visible_cells(tables);
+        [share, placement, first | list.alias.index_bits() << 24, reach]
     };
     tables.cells.iter().flat_map(|cells| &cells.entries).map(entry).collect()
 }

@@ -53,6 +53,7 @@ impl<'a> Probe<'a> {
         let overrides = [
             ("TABLE_IN_TEXTURE", flag(self.in_texture)),
             ("CELLS", flag(self.tables.cells.is_some())),
+            ("VISIBLE_N", self.tables.visible.as_ref().map_or(0.0, |visible| f64::from(visible.n))),
             ("CELLS_IN_TEXTURE", flag(self.in_texture)),
             ("LISTED", flag(listed)),
             ("KINDS", self.tables.kinds.len() as f64),

@@ -26,6 +26,8 @@ pub struct Shape {
     pub bases: bool,
     pub roulette: bool,
     pub cells: bool,
+    /// Cells along an edge of the table of H(m); 0 for null collisions.
+    pub visible_n: u32,
 }
 
 /// A pipeline with its buffers.
@@ -135,7 +137,7 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 14] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 15] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -150,6 +152,7 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 14] {
         ("ABSORBING", flag(shape.absorbing)),
         ("BASES", flag(shape.bases)),
         ("ROULETTE", flag(shape.roulette)),
+        ("VISIBLE_N", f64::from(shape.visible_n)),
         ("CELLS", flag(shape.cells)),
         ("CELLS_IN_TEXTURE", flag(shape.in_texture.cells)),
     ]

@@ -4,7 +4,7 @@ use super::layout::{BLOCK, TEXTURE_BITS, UNIFORM_ENTRIES};
 use crate::error::{Error, Result};
 use crate::goniometer::{OUTCOMES, WEIGHT};
 use crate::scene::{MAX_CHANNELS, MAX_KINDS};
-use crate::walk::{Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
+use crate::walk::{MOST_REFUSALS, Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader of several parts.
@@ -43,6 +43,7 @@ impl Shader {
             part!("concentric.wgsl"),
             part!("cells.wgsl"),
             part!("medium.wgsl"),
+            part!("march.wgsl"),
             part!("cylinder.wgsl"),
             part!("goniometer.wgsl"),
         ])
@@ -120,6 +121,7 @@ fn constants() -> String {
         ("OUTCOMES", OUTCOMES as u32),
         ("WEIGHT", WEIGHT as u32),
         ("ROULETTE_EVERY", ROULETTE_EVERY),
+        ("MOST_REFUSALS", MOST_REFUSALS),
     ];
     let share = format!("const ROULETTE_BELOW: f32 = {ROULETTE_BELOW:?};\n");
     numbers.into_iter().map(constant).collect::<String>() + &share

@@ -45,6 +45,50 @@ impl Station {
         &cells.entries[cells.grid.index(self.cell(&cells.grid))]
     }
 
+    /// The cell that a ray from here goes through: on a face, the one ahead.
+    pub fn cell_ahead(&mut self, grid: &CellGrid, m: DVec3) -> [u32; 3] {
+        [0, 1, 2].map(|axis| {
+            let coordinate = coordinate(grid, self.place, axis);
+            // The coordinate of a face is a whole number up to rounding.
+            let nearest = coordinate.round();
+            let here = if (coordinate - nearest).abs() > 1e-12 * (1.0 + nearest.abs()) {
+                coordinate.floor()
+            } else if m[axis] < 0.0 {
+                nearest - 1.0
+            } else {
+                nearest
+            };
+            let count = f64::from(grid.counts[axis]);
+            let cell = if axis == 2 { here.clamp(0.0, count - 1.0) } else { here.rem_euclid(count) };
+            // Follow the cell into the repeat.
+            if axis < 2 && cell != here {
+                self.place[axis] += (cell - here) * grid.edges()[axis];
+            }
+            cell as u32
+        })
+    }
+
+    /// The face through which a ray leaves the block of cells that lie less than `reach` from a cell.
+    pub fn face_ahead(&self, grid: &CellGrid, cell: [u32; 3], reach: [i64; 3], m: DVec3) -> Face {
+        let face = |axis: usize| {
+            let beyond = i64::from(cell[axis]) + if m[axis] > 0.0 { reach[axis] } else { 1 - reach[axis] };
+            let at = beyond as f64 * grid.edges()[axis] - if axis == 2 { grid.thickness } else { 0.0 };
+            Face { axis, at, path: ((at - self.place[axis]) / m[axis]).max(0.0) }
+        };
+        let ahead = [0, 1, 2].into_iter().filter(|axis| m[*axis] != 0.0).map(face);
+        let none = Face { axis: 0, at: self.place.x, path: f64::INFINITY };
+        ahead.min_by(|a, b| a.path.total_cmp(&b.path)).unwrap_or(none)
+    }
+
+    /// Go to a face; whether it is that of the cloth.
+    pub fn pass(&mut self, grid: &CellGrid, m: DVec3, face: &Face) -> bool {
+        self.place += m * face.path;
+        self.place[face.axis] = face.at;
+        self.blur = self.blur.max(face.path / m[face.axis].abs());
+        let half = 0.5 * grid.edges().z;
+        face.axis == 2 && (face.at > -half && m.z > 0.0 || face.at < half - grid.thickness && m.z < 0.0)
+    }
+
     /// Jump over the block of empty cells around the place, if there is one, on to its face.
     pub fn skip_empty(&mut self, cells: &Cells, m: DVec3) {
         let grid = &cells.grid;
@@ -80,6 +124,17 @@ impl Station {
         };
         [0, 1, 2].map(distance).into_iter().fold(f64::INFINITY, f64::min) / self.blur
     }
+}
+
+/// A face between cells, ahead of a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// The axis that it stands across.
+    pub axis: usize,
+    /// Where, in mm.
+    pub at: f64,
+    /// How far along the ray, in mm.
+    pub path: f64,
 }
 
 /// A coordinate in cells from x = 0, y = 0, z = −thickness.

@@ -10,6 +10,7 @@
 
 mod cells;
 mod engine;
+mod flight;
 mod medium;
 mod walk;
 

@@ -1,7 +1,8 @@
 //! One stochastic walk from fiber to fiber (paper §4).
 
 use super::cells::Station;
-use super::medium::{draw_fiber, free_path};
+use super::flight::{Event, Flight};
+use super::medium::draw_fiber;
 use crate::distribution::CellGrid;
 use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::{Encounter, Passage};
@@ -89,8 +90,9 @@ pub(super) fn walk(
     let z = if lit == Side::Front { 0.0 } else { -tables.thickness };
     let homogeneous = CellGrid::homogeneous(tables.thickness);
     let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
-    let mut station = Station::start(grid, (start_place(words) * grid.period).extend(z));
+    let station = Station::start(grid, (start_place(words) * grid.period).extend(z));
     witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
+    let mut flight = Flight::new(station);
     let roulette = plan.roulette && tables.absorbing();
     let mut walked = Walked {
         record: WalkRecord { bin: 0, events: 0, hits: 0 },
@@ -102,31 +104,24 @@ pub(super) fn walk(
     for event in 0..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
         walked.record.events = event + 1;
-        if let Some(cells) = &tables.cells {
-            station.skip_empty(cells, m);
-        }
-        // Fly to the next tentative event.
-        station.fly(grid, m, free_path(tables, &draws));
-        let z = station.place.z;
-        witness.decide(|| z.abs().min((z + tables.thickness).abs()) / tables.thickness);
-        if z > 0.0 || z < -tables.thickness {
-            witness.decide(|| bin_distance(goniometer, m, walked.record.hits));
-            walked.record.bin = goniometer.exit_bin(lit, m, walked.record.hits > 0) as u32;
-            return walked;
-        }
-        // Draw the fiber there and see whether the ray hits it.
-        let (share, list) = match &tables.cells {
-            None => (1.0, 0),
-            Some(cells) => {
-                witness.decide(|| station.face_distance(grid));
-                let cell = station.look_up(cells);
-                (cell.share, cell.list)
+        let (share, list) = match flight.event(tables, grid, m, &draws, witness) {
+            Event::Left => {
+                witness.decide(|| bin_distance(goniometer, m, walked.record.hits));
+                walked.record.bin = goniometer.exit_bin(lit, m, walked.record.hits > 0) as u32;
+                return walked;
             }
+            Event::Passed => (0.0, 0),
+            Event::Fiber { share, list } => (share, list),
         };
+        // Draw the fiber there and see whether the ray hits it.
         let (p, kind) = draw_fiber(tables, list, &draws, plan.jitter);
         let seen = share * m.cross(p).length();
-        witness.decide(|| draws.accept - seen);
-        if draws.accept < seen {
+        let hit = draws.accept < seen;
+        if share > 0.0 {
+            witness.decide(|| draws.accept - seen);
+            flight.drawn(hit);
+        }
+        if hit {
             let number = draws.accept / seen;
             let passage = scatter(m, p, draws.offset, number, &tables.kinds[kind], tables.half_length, witness);
             m = passage.direction.normalize();

@@ -11,6 +11,8 @@ use toml::de::DeValue;
 pub enum Tracking {
     /// Tentative events at the rate of a majorant, accepted with probability |m × p|: exact for H and h/H.
     NullCollision,
+    /// Collisions at the rate H(m) of a table, and fibers accepted with probability |m × p| (the paper).
+    Tabulated,
 }
 
 /// Where the next flight starts after a hit.
@@ -95,7 +97,8 @@ impl Model {
     fn set(&mut self, key: &str, value: &Value) -> Result<()> {
         match key {
             "tracking" => {
-                self.tracking = value.choice(&[("null-collision", Tracking::NullCollision)], &["tabulated"])?
+                let words = [("null-collision", Tracking::NullCollision), ("tabulated", Tracking::Tabulated)];
+                self.tracking = value.choice(&words, &[])?;
             }
             "placement" => {
                 let planned = ["carried", "carried-dense", "carried-void"];

@@ -44,6 +44,18 @@ impl AliasTable {
         &self.words
     }
 
+    /// The probability of each entry, padding included.
+    pub fn probabilities(&self) -> Vec<f64> {
+        let bits = 32 - self.index_bits;
+        let mut owned = vec![0u64; self.words.len()];
+        for (slot, word) in self.words.iter().enumerate() {
+            let threshold = u64::from(word & (u32::MAX >> self.index_bits));
+            owned[slot] += threshold;
+            owned[(word >> bits) as usize] += (1u64 << bits) - threshold;
+        }
+        owned.into_iter().map(|owned| owned as f64 * 2f64.powi(-32)).collect()
+    }
+
     /// The entry that a uniform word draws.
     pub fn draw(&self, word: u32) -> usize {
         let slot = (word >> (32 - self.index_bits)) as usize;
@@ -105,6 +117,9 @@ mod tests {
                 assert!(error.abs() <= 1.0, "weight {weight}: off by {error}·2⁻³²");
                 assert!(*weight > 0.0 || owned == 0, "a weight of zero is drawn");
             }
+            let exact: Vec<f64> =
+                owned(&table, table.words().len()).iter().map(|o| *o as f64 * 2f64.powi(-32)).collect();
+            assert_eq!(table.probabilities(), exact);
         }
     }
 

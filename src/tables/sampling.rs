@@ -2,10 +2,11 @@
 
 use super::alias::AliasTable;
 use super::blocks::{Reach, reaches};
+use super::visible::VisibleArea;
 use crate::concentric::Patch;
 use crate::distribution::{Bundle, Cell, CellGrid, SpecificLength, surface};
 use crate::error::{Error, Result};
-use crate::scene::Scene;
+use crate::scene::{Scene, Tracking};
 
 /// Most cells, and most entries of all lists together: their numbers are exact in f32 and fit into 24 bits.
 const MOST: usize = 1 << 23;
@@ -80,6 +81,8 @@ pub struct SamplingTables {
     pub patch_unit: f64,
     /// The cells, if there is more than one.
     pub cells: Option<Cells>,
+    /// H(m) by list, for tracking by tables.
+    pub visible: Option<VisibleArea>,
 }
 
 impl SamplingTables {
@@ -112,6 +115,7 @@ impl SamplingTables {
             entry_kinds: Vec::new(),
             patch_unit: grid.unit(),
             cells: None,
+            visible: None,
         };
         for bundles in lists {
             tables.add_list(bundles, radius, place)?;
@@ -128,6 +132,9 @@ impl SamplingTables {
             tables.cells = Some(Cells { grid: *cells, entries });
         }
         tables.kinds = kinds;
+        if scene.model.tracking == Tracking::Tabulated {
+            tables.visible = Some(VisibleArea::new(&tables));
+        }
         Ok(tables)
     }
 

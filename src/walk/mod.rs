@@ -10,5 +10,5 @@ mod plan;
 mod rng;
 
 pub use draws::{EventDraws, start_draws, start_place, uniform};
-pub use plan::{Engine, MAX_EVENTS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord};
+pub use plan::{Engine, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord};
 pub use rng::{Purpose, draw, threefry};

@@ -8,6 +8,9 @@ use crate::tables::SamplingTables;
 pub const ROULETTE_EVERY: u32 = 16;
 /// Roulette is played when the brightest channel may have kept less than this share of the light.
 pub const ROULETTE_BELOW: f64 = 0.25;
+/// Fibers that tracking by tables refuses at a collision before it gives the collision up: there the largest ⟨|m × p|⟩ is
+/// some thousandths, which is less than the error of the table.
+pub const MOST_REFUSALS: u32 = 1024;
 /// A walk is given up after this many tentative events.
 pub const MAX_EVENTS: u32 = 1 << 24;
 

@@ -1,0 +1,130 @@
+//! Flights to the next collision, by null collisions or by the table of H(m) (paper §4).
+
+use super::cells::Station;
+use super::medium::free_path;
+use super::walk::Witness;
+use crate::distribution::CellGrid;
+use crate::tables::{SamplingTables, VisibleArea};
+use crate::walk::{EventDraws, MOST_REFUSALS};
+use glam::DVec3;
+
+/// A walk between two hits.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight {
+    /// Where it is.
+    pub station: Station,
+    /// Optical depth that is left until the collision; none before a flight sets out.
+    depth: Option<f64>,
+    /// Fibers that were refused at the collision so far, and one more once it is reached.
+    refused: u32,
+}
+
+/// What one event brings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The light has left the cloth.
+    Left,
+    /// The ray has come to the face of a cell.
+    Passed,
+    /// A fiber of this list is to be drawn, and hit with probability `share` |m × p|.
+    Fiber { share: f64, list: u32 },
+}
+
+impl Flight {
+    /// A walk that sets out from a station.
+    pub fn new(station: Station) -> Flight {
+        Flight { station, depth: None, refused: 0 }
+    }
+
+    /// Fly on through one event.
+    pub fn event(
+        &mut self,
+        tables: &SamplingTables,
+        grid: &CellGrid,
+        m: DVec3,
+        draws: &EventDraws,
+        witness: &mut impl Witness,
+    ) -> Event {
+        match &tables.visible {
+            None => self.to_tentative(tables, grid, m, draws, witness),
+            Some(visible) => self.march(tables, visible, grid, m, draws, witness),
+        }
+    }
+
+    /// A fiber was drawn at the collision: it was hit, or refused.
+    pub fn drawn(&mut self, hit: bool) {
+        self.refused += 1;
+        // Where all fibers are nearly parallel to the ray, the table's H is its error: give the collision up.
+        if hit || self.refused > MOST_REFUSALS {
+            (self.depth, self.refused) = (None, 0);
+        }
+    }
+
+    /// Null collisions: fly at the rate of the majorant.
+    fn to_tentative(
+        &mut self,
+        tables: &SamplingTables,
+        grid: &CellGrid,
+        m: DVec3,
+        draws: &EventDraws,
+        witness: &mut impl Witness,
+    ) -> Event {
+        let station = &mut self.station;
+        if let Some(cells) = &tables.cells {
+            station.skip_empty(cells, m);
+        }
+        station.fly(grid, m, free_path(tables, draws));
+        let z = station.place.z;
+        witness.decide(|| z.abs().min((z + tables.thickness).abs()) / tables.thickness);
+        if z > 0.0 || z < -tables.thickness {
+            return Event::Left;
+        }
+        match &tables.cells {
+            None => Event::Fiber { share: 1.0, list: 0 },
+            Some(cells) => {
+                witness.decide(|| station.face_distance(grid));
+                let cell = station.look_up(cells);
+                Event::Fiber { share: cell.share, list: cell.list }
+            }
+        }
+    }
+
+    /// The paper: exponential optical depth, marched from cell to cell; a jump over empty cells is one step.
+    fn march(
+        &mut self,
+        tables: &SamplingTables,
+        visible: &VisibleArea,
+        grid: &CellGrid,
+        m: DVec3,
+        draws: &EventDraws,
+        witness: &mut impl Witness,
+    ) -> Event {
+        let cell = self.station.cell_ahead(grid, m);
+        let (share, list, reach) = match &tables.cells {
+            None => (1.0, 0, [1; 3]),
+            Some(cells) => {
+                let entry = &cells.entries[grid.index(cell)];
+                let across = i64::from(entry.reach.across.max(1));
+                (entry.share, entry.list, [across, across, i64::from(entry.reach.along.max(1))])
+            }
+        };
+        if self.refused == 0 {
+            if self.depth.is_none() && tables.cells.is_some() {
+                witness.decide(|| self.station.face_distance(grid));
+            }
+            let depth = *self.depth.get_or_insert(draws.free_path);
+            let rate = tables.majorant * share * visible.look_up(list, m);
+            let face = self.station.face_ahead(grid, cell, reach, m);
+            let free = depth / rate;
+            witness.decide(|| (free - face.path).abs() / self.station.blur);
+            if free >= face.path {
+                self.depth = Some(depth - rate * face.path);
+                let out = self.station.pass(grid, m, &face);
+                return if out { Event::Left } else { Event::Passed };
+            }
+            self.station.place += m * free;
+            self.station.blur = self.station.blur.max(free);
+        }
+        Event::Fiber { share: 1.0, list }
+    }
+}

@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["bsdf"],
     &["measure"],
     &["results"],
+    &["report"],
     &["cli", "main", "lib"],
 ];
 
@@ -30,6 +31,8 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("indicatif", &["cli"]),
     ("rayon", &["reference"]),
     ("rand", &["cloth"]),
+    ("png", &["report"]),
+    ("noto_sans_mono_bitmap", &["report"]),
 ];
 
 fn floor(room: &str) -> usize {

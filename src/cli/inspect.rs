@@ -1,23 +1,46 @@
 //! `fiberwalk inspect`.
 
+mod woven;
+
 use super::{one_line, print};
-use fiberwalk::Result;
 use fiberwalk::measure::{Prepared, memory, prepare};
-use fiberwalk::scene::{Orientation, Scene, Sheet, Source};
+use fiberwalk::report::WIDTHS;
+use fiberwalk::scene::{Orientation, Scene, Sheet, Source, Structure};
+use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
+use std::path::PathBuf;
 
-/// Say what the model of a cloth will be, without measuring it
+/// Say what a cloth and its model are, without measuring it; draw a weave: weave.png
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
     cloth: String,
+    /// Folder of the picture of a weave [default: the file's stem or the preset's name]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Width of the picture of a weave in pixels [default: 1600]
+    #[arg(long, value_name = "PIXELS", value_parser = width, allow_negative_numbers = true)]
+    width: Option<usize>,
+}
+
+fn width(text: &str) -> std::result::Result<usize, String> {
+    let number = text.parse().ok().filter(|width| WIDTHS.contains(width));
+    number.ok_or_else(|| format!("must be a whole number from {} to {}", WIDTHS.start(), WIDTHS.end()))
 }
 
 /// Run the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = Scene::parse(&source)?;
+    if let Structure::Weave(_) = &scene.structure {
+        let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
+        return woven::run(&scene, &folder, arguments.width.unwrap_or(1600));
+    }
+    if arguments.output.is_some() || arguments.width.is_some() {
+        let message = "a sheet has no weave to draw: leave out -o and --width";
+        return Err(Error::Input(message.into()));
+    }
     let prepared = prepare(&scene)?;
     let sheet = scene.sheet()?;
     print(&(cloth(&scene, sheet) + &medium(&scene, sheet, &prepared) + &sizes(&scene, &prepared)))
@@ -40,22 +63,27 @@ fn cloth(scene: &Scene, sheet: &Sheet) -> String {
         let _ =
             writeln!(text, "fibers           {name}: radius {radius} µm, index {ior}, {density} mm/mm³, {orientation}");
     }
+    text += &channels(scene);
+    let _ = writeln!(text, "thickness        {} mm", sheet.thickness);
+    let _ = writeln!(text, "volume fraction  {:.4}", sheet.volume_fraction(&scene.fibers));
+    text + &areal_mass(sheet.areal_mass(&scene.fibers))
+}
+
+/// The colour channels of the result.
+fn channels(scene: &Scene) -> String {
     let names = &scene.channels.names;
     let channels = match &names[..] {
         [first, .., last] if names.len() > 3 => format!("{} from {first} to {last}", names.len()),
         _ => names.join(", "),
     };
     let absorbing = if scene.channels.lossless() { ", nothing is absorbed" } else { "" };
-    let _ = writeln!(text, "channels         {channels}{absorbing}");
-    let _ = writeln!(text, "thickness        {} mm", sheet.thickness);
-    let _ = writeln!(text, "volume fraction  {:.4}", sheet.volume_fraction(&scene.fibers));
-    let mass = sheet.areal_mass(&scene.fibers);
-    let _ = writeln!(
-        text,
-        "areal mass       {}",
-        mass.map_or("unknown: a fiber has no density_g_per_cm3".into(), |mass| format!("{mass:.1} g/m²"))
-    );
-    text
+    format!("channels         {channels}{absorbing}\n")
+}
+
+/// A mass of an area in g/m², if it is known.
+fn areal_mass(mass: Option<f64>) -> String {
+    let mass = mass.map_or("unknown: a fiber has no density_g_per_cm3".into(), |mass| format!("{mass:.1} g/m²"));
+    format!("areal mass       {mass}\n")
 }
 
 /// The medium that it becomes.

@@ -86,6 +86,35 @@ fn yarns_touch_and_do_not_run_through_each_other() {
 }
 
 #[test]
+fn random_weaves_touch_as_well() {
+    // A linear congruential generator (Knuth, MMIX).
+    let mut state: u64 = 12345;
+    let mut random = move |below: u32| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as u32 % below
+    };
+    let mut laid = 0;
+    for _ in 0..300 {
+        let (columns, rows) = (2 + random(9), 2 + random(9));
+        let mut row = || (0..columns).map(|_| if random(2) == 0 { 'X' } else { '.' }).collect::<String>();
+        let draft: Vec<String> = (0..rows).map(|_| row()).collect();
+        let mut yarn = || Yarn::new(3, f64::from(20 + random(480)), f64::from(20 + random(600)), "");
+        let yarns: Vec<Yarn> = (0..3).map(|_| yarn()).collect();
+        let mut threads = || (0..1 + random(4)).map(|_| random(3) as usize).collect::<Vec<_>>();
+        let (warp, weft) = (threads(), threads());
+        let warp_crimp_share = f64::from(random(101)) / 100.0;
+        let woven = Woven { draft, yarns, warp, weft, ends_per_cm: 20.0, picks_per_cm: 20.0, warp_crimp_share };
+        let Some(cloth) = woven.interlaced() else { continue };
+        laid += 1;
+        let deepest = cloth.largest_penetration();
+        assert!(deepest.abs() < 1e-9, "{deepest} mm: {woven:?}");
+        assert!((0.02..=4.0).contains(&cloth.thickness()), "{} mm: {woven:?}", cloth.thickness());
+        assert!(cloth.statistics().volume_fraction > 0.0);
+    }
+    assert!(laid > 100, "{laid}");
+}
+
+#[test]
 fn simpler_crimp_runs_through_the_yarns() {
     // The comparison above has 2 % of a height for its gate in words: at the same crossings a cosine and a zigzag fail it.
     for woven in weaves(0.8, 0.5) {

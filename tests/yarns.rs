@@ -254,6 +254,31 @@ fn draws_are_functions_of_the_seed_and_the_number() {
 }
 
 #[test]
+fn middles_of_pieces_fill_a_yarn_evenly() {
+    // Count the length of pieces by their middles in 40 slices of an end, as the distribution calculator does. Slices are
+    // shorter than pieces.
+    let cloth = straight(turns("ply_twist_per_m = 300", 100));
+    let slices = |fiber: &Vec<Primitive>| {
+        let mut slices = [0.0; 40];
+        for piece in fiber {
+            slices[(piece.centre.y / cloth.period().y * 40.0) as usize] += 40.0 * piece.length * piece.direction.y;
+        }
+        slices
+    };
+    let all: Vec<[f64; 40]> = ends(&cloth, 40).iter().map(slices).collect();
+    let z = |slice: usize| {
+        let of = || all.iter().map(|slices| slices[slice] / cloth.period().y);
+        let (mean, error) = mean_error(of().sum(), of().map(|x| x * x).sum(), all.len() as f64);
+        (mean - 1.0) / error
+    };
+    let worst = (0..40).map(|slice| z(slice).abs()).fold(0.0, f64::max);
+    assert!(worst < GATE, "{worst}");
+    // One fiber has its own corners: alone it fills some slices twice and others not at all.
+    let spread = all[0].iter().map(|length| (length / cloth.period().y - 1.0).powi(2)).sum::<f64>() / 40.0;
+    assert!(spread > 0.1, "{spread}");
+}
+
+#[test]
 fn pieces_follow_their_fiber_within_a_tenth_of_its_radius() {
     // A fiber without twist lies beside its axis: compare eleven points of each piece with the axis.
     let woven = Woven {

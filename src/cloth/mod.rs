@@ -5,7 +5,7 @@
 //! Inputs: a checked scene with a `[weave]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
 //! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.
 //!
-//! Differs from the paper, which leaves the geometry to its reference [1]:
+//! Differs from the paper, which leaves the geometry to its first reference:
 //! - Crimp follows from the interlacing. At a crossing the two yarns touch: their axes are (h₁ + h₂)/2 apart, of which
 //!   the warp takes a stated share. From one crossing to the next an axis follows the section of the yarn that it
 //!   crosses, then the common tangent, then the section of the next: the arcs and straight lines of Peirce, "The

@@ -22,7 +22,7 @@ pub struct Statistics {
     pub areal_mass: Option<f64>,
     /// Share of the volume that is fiber.
     pub volume_fraction: f64,
-    /// Largest share of a yarn's section that is fiber, where it climbs most steeply; real fibers reach 0.9 at most.
+    /// Largest share of the section of a yarn's plies that is fiber, where it climbs most steeply; real fibers reach 0.9.
     pub densest: f64,
     /// Fibers of the repeat.
     pub fibers: usize,
@@ -46,12 +46,8 @@ impl Cloth {
             let period = if system == System::Warp { self.period().x } else { self.period().y };
             of(system).map(|thread| self.yarn(thread).width).sum::<f64>() / period
         });
-        let densest = self.threads().iter().map(|thread| {
-            let yarn = self.yarn(thread);
-            let share = |(kind, count): &(usize, usize)| 4.0 * self.kinds()[*kind].radius.powi(2) * *count as f64;
-            let level = yarn.counts().iter().map(share).sum::<f64>() / (yarn.width * yarn.height);
-            level * slope(thread).hypot(1.0)
-        });
+        let densest =
+            self.threads().iter().map(|thread| self.yarn(thread).packing(self.kinds()) * slope(thread).hypot(1.0));
         // Both systems are straight seen from above, so what one leaves open the other covers in proportion.
         let openness = (1.0 - cover[0]) * (1.0 - cover[1]);
         let (lengths, pieces) = self.fiber_lengths();

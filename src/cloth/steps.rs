@@ -59,8 +59,8 @@ impl Limits {
 }
 
 impl Steps {
-    /// Cut an axis.
-    pub fn new(path: &Path, limits: &Limits) -> Steps {
+    /// Cut an axis, if that takes no more than so many pieces.
+    pub fn new(path: &Path, limits: &Limits, most: f64) -> Option<Steps> {
         let parts = path.elements.iter().flat_map(|element| {
             let cut = |part: usize| part as f64 / PARTS as f64;
             (0..PARTS).map(move |part| (element, cut(part), cut(part + 1)))
@@ -73,6 +73,9 @@ impl Steps {
         // Lay stations at equal distances in pieces.
         let counts = lengths.iter().zip(&steps).map(|(length, step)| length / step);
         let pieces: f64 = counts.clone().sum();
+        if pieces > most {
+            return None;
+        }
         let wanted = (pieces * FINE as f64).ceil().max(FINE as f64) as usize;
         let mut stations = Vec::with_capacity(wanted + 1);
         let (mut passed, mut length) = (0.0, 0.0);
@@ -89,7 +92,7 @@ impl Steps {
         let first = stations[0];
         stations.resize(wanted, Station { length, along: first.along + path.period, ..first });
         stations.push(Station { length, along: first.along + path.period, ..first });
-        Steps { pieces, stations }
+        Some(Steps { pieces, stations })
     }
 
     /// The point of the axis after so many pieces, from 0 to twice [`Steps::pieces`]; past the period it goes on.

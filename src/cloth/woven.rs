@@ -8,7 +8,7 @@ use crate::scene::{Fiber, Scene, Structure, Weave, Yarn};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// Most pieces of one realization: about 2 GB.
+/// Most pieces of one realization: 1.6 GB of them.
 const MAX_PIECES: f64 = 2e7;
 /// Longest piece in shares of the smaller spacing of the threads.
 const LONGEST: f64 = 0.25;
@@ -70,19 +70,19 @@ impl Cloth {
             sections: weave.yarns.iter().map(|yarn| Section::new(yarn, &scene.fibers)).collect(),
             paths: Vec::new(),
         };
-        cloth.lay(highest);
-        let pieces = cloth.pieces();
-        if pieces > MAX_PIECES {
-            return Err(Error::Input(format!(
-                "the fibers of the repeat have about {pieces:.1e} straight pieces, allowed: {MAX_PIECES:e}; lower \
-                 `fibers_per_ply`, the twist or the size of the draft"
-            )));
+        match cloth.lay(highest) {
+            Some(()) => Ok(cloth),
+            None => Err(Error::Input(format!(
+                "the fibers of the repeat have more than {MAX_PIECES:e} straight pieces; lower `fibers_per_ply`, the twist \
+                 or the size of the draft"
+            ))),
         }
-        Ok(cloth)
     }
 
-    /// Make all threads; threads of one yarn that cross the same yarns in the same way share their axis.
-    fn lay(&mut self, highest: f64) {
+    /// Make all threads, unless they have too many pieces; threads of one yarn that cross the same yarns in the same way share
+    /// their axis.
+    fn lay(&mut self, highest: f64) -> Option<()> {
+        let mut left = MAX_PIECES;
         let mut known = HashMap::new();
         let ends = (0..self.weave.ends.len()).map(|index| (System::Warp, index));
         let picks = (0..self.weave.picks.len()).map(|index| (System::Weft, index));
@@ -92,18 +92,25 @@ impl Cloth {
                 System::Weft => (self.weave.picks[index], self.weave.pick_spacing),
             };
             let crossed = crossed(&self.weave, system, index);
-            let paths = &mut self.paths;
-            let (weave, section) = (&self.weave, &self.sections[own]);
-            let path = *known.entry((system, own, crossed)).or_insert_with_key(|(_, _, crossed)| {
-                let path = axis(weave, system, own, crossed, highest);
-                let longest = LONGEST * weave.end_spacing.min(weave.pick_spacing);
-                let limits = Limits { radius: section.thinnest(), twist: section.bend(), longest };
-                let steps = Steps::new(&path, &limits);
-                paths.push((path, steps));
-                paths.len() - 1
-            });
+            let fibers = self.weave.yarns[own].fibers() as f64;
+            let key = (system, own, crossed);
+            let path = match known.get(&key) {
+                Some(&path) => path,
+                None => {
+                    let path = axis(&self.weave, system, own, &key.2, highest);
+                    let section = &self.sections[own];
+                    let longest = LONGEST * self.weave.end_spacing.min(self.weave.pick_spacing);
+                    let limits = Limits { radius: section.thinnest(), twist: section.bend(), longest };
+                    let steps = Steps::new(&path, &limits, left / fibers)?;
+                    self.paths.push((path, steps));
+                    known.insert(key, self.paths.len() - 1);
+                    self.paths.len() - 1
+                }
+            };
+            left -= fibers * (self.paths[path].1.pieces + 1.0);
             self.threads.push(Thread { system, index, yarn: own, at: (index as f64 + 0.5) * spacing, path });
         }
+        (left >= 0.0).then_some(())
     }
 
     /// Size of the repeat along x and y in mm.

@@ -76,6 +76,15 @@ impl Woven {
         text
     }
 
+    /// The cloth, unless a thread of the draft never interlaces.
+    pub fn interlaced(&self) -> Option<Cloth> {
+        let varies = |marks: Vec<u8>| marks.iter().any(|mark| *mark != marks[0]);
+        let column = |end: usize| self.draft.iter().map(|row| row.as_bytes()[end]).collect();
+        let rows = self.draft.iter().all(|row| varies(row.bytes().collect()));
+        let columns = (0..self.draft[0].len()).all(|end| varies(column(end)));
+        (rows && columns).then(|| self.cloth())
+    }
+
     /// The cloth, through the reader.
     pub fn cloth(&self) -> Cloth {
         let source = Source { file: "cloth.toml".into(), stem: "cloth".into(), text: self.text(), folder: None };

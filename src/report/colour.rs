@@ -6,16 +6,18 @@ use std::f64::consts::PI;
 /// Linear red, green and blue, 0 to 1.
 pub type Colour = [f32; 3];
 
-/// Mean cosine of the angle by which a fiber turns the light that crosses it; a choice, most light goes on forward.
-const FORWARD: f64 = 0.6;
+/// Mean cosine of the angle by which a fiber turns light, found from the walks: see [`pile`].
+const FORWARD: f64 = 0.76;
 /// Red, green and blue as bands of wavelengths in nm.
 const BANDS: [[f64; 2]; 3] = [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]];
 
 /// Colour of an endless pile of a kind of fiber in linear red, green and blue.
 ///
 /// A crossing keeps ω = exp(−σ·πR/2) of the light, with the mean chord πR/2 of a fiber seen from the side; a pile reflects
-/// (1 − s)/(1 + s) with s = √((1 − ω)/(1 − gω)), the two-stream solution with the forward cosine g = 0.6. A spectrum is
-/// averaged over 400 to 500, 500 to 600 and 600 to 700 nm: rough, and no colorimetry. A fiber that does not absorb is white.
+/// (1 − s)/(1 + s) with s = √((1 − ω)/(1 − gω)), the two-stream solution with the forward cosine g = 0.76. That comes
+/// within a tenth of what walks through 3 mm of planar fibers of index 1.55 find, from 0.07 to 0.75 (`tests/picture.rs`).
+/// A spectrum is averaged over 400 to 500, 500 to 600 and 600 to 700 nm: rough, and no colorimetry. A fiber that does not
+/// absorb is white.
 pub fn pile(fiber: &Fiber) -> Colour {
     let reflect = |sigma: f64| {
         let kept = (-sigma * PI * fiber.radius / 2.0).exp();

@@ -1,7 +1,7 @@
 //! The depth buffer: which fiber is seen where.
 
-use super::view::View;
-use crate::cloth::Primitive;
+use super::view::{Face, View};
+use crate::cloth::{Cloth, Primitive, System};
 use glam::{DVec2, DVec3};
 
 /// How far a piece is drawn over its ends, in radii: pieces that meet at an angle leave no gap.
@@ -52,10 +52,19 @@ pub struct Depth {
 }
 
 impl Depth {
-    /// An empty buffer for one repeat; a view of a cut has a height, from `bottom` up.
-    pub fn new(view: View, [bottom, height]: [f64; 2], size: [usize; 2]) -> Depth {
-        let per_mm = DVec2::new(size[0] as f64, size[1] as f64) / view.extent(height);
-        let bottom = if view.period.y.is_finite() { 0.0 } else { bottom };
+    /// An empty buffer for one repeat of a face, of so many columns and rows.
+    pub fn face(cloth: &Cloth, face: Face, size: [usize; 2]) -> Depth {
+        let view = View::face(cloth, face);
+        let per_mm = DVec2::new(size[0] as f64, size[1] as f64) / view.period.truncate();
+        Depth { view, size, bottom: 0.0, per_mm, seen: vec![Seen::NOTHING; size[0] * size[1]] }
+    }
+
+    /// An empty buffer for one repeat of a cut along the threads of a system, through the plane x = `at` (warp) or y = `at`
+    /// (weft), from the height `bottom` up to `top`; z is up. Along the warp y runs to the right and one looks along −x;
+    /// along the weft x runs to the right and one looks along y.
+    pub fn along(cloth: &Cloth, system: System, at: f64, [bottom, top]: [f64; 2], size: [usize; 2]) -> Depth {
+        let view = View::along(cloth, system, at);
+        let per_mm = DVec2::new(size[0] as f64 / view.period.x, size[1] as f64 / (top - bottom));
         Depth { view, size, bottom, per_mm, seen: vec![Seen::NOTHING; size[0] * size[1]] }
     }
 
@@ -178,5 +187,74 @@ impl Cylinder {
         let flat = level.perp() * across - level * (rise * self.p.z);
         let normal = flat.extend(rise * self.level) / self.radius * 127.0;
         *seen = Seen { near, normal: [normal.x as i8, normal.y as i8, normal.z as i8], ..mark };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, Source};
+
+    fn voile() -> Cloth {
+        let scene = Scene::parse(&Source::find("voile").expect("it is a preset")).expect("it is right");
+        Cloth::new(&scene).expect("it can be laid out")
+    }
+
+    fn piece(direction: DVec3) -> Primitive {
+        let centre = DVec3::new(0.4, 0.3, -0.1);
+        Primitive { centre, direction: direction.normalize(), length: 0.2, radius: 0.03, kind: 0, thread: 3 }
+    }
+
+    #[test]
+    fn a_cylinder_is_seen_where_its_near_side_is() {
+        let cloth = voile();
+        for direction in [DVec3::X, DVec3::new(0.5, 0.7, 0.4), DVec3::new(-0.3, 0.2, -0.9)] {
+            for (face, side) in [(Face::Front, 1.0), (Face::Back, -1.0)] {
+                let mut depth = Depth::face(&cloth, face, [400, 400]);
+                let piece = piece(direction);
+                depth.draw(&piece);
+                let mut found = 0;
+                for place in 0..160_000 {
+                    let (column, row) = (place % 400, place / 400);
+                    let seen = depth.at(column, row);
+                    if seen.is_nothing() {
+                        continue;
+                    }
+                    found += 1;
+                    let share = |index: usize| (index as f64 + 0.5) / 400.0;
+                    let (x, y) = (share(column) * cloth.period().x, share(row) * cloth.period().y);
+                    let x = if side > 0.0 { x } else { cloth.period().x - x };
+                    // The point lies on the surface, and one nearer to the eye lies outside.
+                    let off = |lift: f64| {
+                        let point = DVec3::new(x, y, side * (f64::from(seen.near) + lift)) - piece.centre;
+                        (point - point.dot(piece.direction) * piece.direction).length()
+                    };
+                    assert!((off(0.0) - piece.radius).abs() < 1e-6 && off(1e-3) > piece.radius, "{direction}");
+                }
+                // The side of a cylinder covers 2 R L |p_xy|, its length as it is drawn; 29 rows go to its width.
+                let area = 2.0 * piece.radius * (piece.length + 2.0 * OVERLAP * piece.radius);
+                let covered = f64::from(found) / 160_000.0 * cloth.period().x * cloth.period().y;
+                let expected = area * piece.direction.truncate().length();
+                assert!((covered / expected - 1.0).abs() < 0.04, "{covered} and {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cut_shows_the_section_of_a_fiber() {
+        let cloth = voile();
+        let piece = piece(DVec3::new(0.8, 0.6, 0.0));
+        let cut = |at: f64| {
+            let mut depth = Depth::along(&cloth, System::Warp, at, [-0.25, 0.0], [800, 240]);
+            depth.draw(&piece);
+            let cut = depth.seen.iter().filter(|seen| seen.cut).count() as f64;
+            let all = depth.seen.iter().filter(|seen| !seen.is_nothing()).count() as f64;
+            [cut, all].map(|count| count / (800.0 * 240.0) * cloth.period().y * 0.25)
+        };
+        // The plane across x cuts an ellipse of π R² / p_x; in a plane before the fiber it is whole, behind it is nothing.
+        let section = std::f64::consts::PI * piece.radius.powi(2) / 0.8;
+        assert!((cut(0.4)[0] / section - 1.0).abs() < 0.01 && cut(0.4)[1] > cut(0.4)[0]);
+        assert!(cut(0.53)[0] == 0.0 && cut(0.53)[1] > section);
+        assert_eq!(cut(0.27), [0.0; 2]);
     }
 }

@@ -4,10 +4,14 @@ use super::text::Font;
 use crate::cloth::Cloth;
 use glam::DVec2;
 
+/// Least and largest height of the cloth in a cut, in sides of a face.
+const FLATTEST: f64 = 0.12;
+const HIGHEST: f64 = 0.5;
+
 /// A part of the image that shows cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
-    /// Its left column and its top row.
+    /// Its left column.
     pub left: usize,
     /// Its top row.
     pub top: usize,
@@ -22,8 +26,8 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Columns and rows from its lower left corner to the right and down from the top of a point in repeats to the right
-    /// and up, as pixels of the image.
+    /// The pixel of the image, as its column and row, of a point so many repeats to the right and up of the lower left
+    /// corner.
     pub fn pixel(&self, point: DVec2) -> [usize; 2] {
         let right = (point.x * self.repeat[0] as f64).floor() as usize;
         let up = (point.y * self.repeat[1] as f64).floor() as usize;
@@ -70,10 +74,11 @@ impl Layout {
         let front = Panel { left: margin, top, width: side, height: side, repeat: pixels(per_mm), per_mm };
         let back = Panel { left: 2 * margin + side, ..front };
 
-        // The cuts, one under the other, with the same stretch of cloth at a larger scale where it is not too high.
+        // The cuts, one under the other: the same stretch of cloth, or a part of it if it would be too flat to be read.
         let gutter = body.width("0.000 mm ");
         let wide = width - 2 * margin - gutter;
-        let per_mm = (wide as f64 / window).min(side as f64 / cloth.thickness());
+        let (whole, upright) = (wide as f64 / window, side as f64 / cloth.thickness());
+        let per_mm = whole.max(FLATTEST * upright).min(4.0 * whole).min(HIGHEST * upright);
         let room = scaled(14.0);
         let high = (cloth.thickness() * per_mm).ceil() as usize + 2 * room;
         let [right, up] = pixels(per_mm);

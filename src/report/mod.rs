@@ -26,4 +26,4 @@ pub use depth::{Depth, Seen};
 pub use image::Image;
 pub use layout::Panel;
 pub use picture::{Picture, WIDTHS, weave_picture};
-pub use view::{Face, View};
+pub use view::Face;

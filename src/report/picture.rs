@@ -1,19 +1,19 @@
 //! The picture of a woven cloth.
 
-use super::colour::{Colour, blend, pile};
+use super::colour::{Colour, blend, encode, pile};
 use super::depth::Depth;
 use super::draft;
 use super::image::Image;
 use super::layout::{Layout, Panel};
 use super::marks::{heights, round, scale_bar};
 use super::shade::{FINE, Tile, cut, face};
-use super::view::{Face, View};
+use super::view::Face;
 use crate::cloth::{Cloth, System};
 use crate::scene::Scene;
 use std::ops::RangeInclusive;
 
 /// Widths that a picture may have, in pixels.
-pub const WIDTHS: RangeInclusive<usize> = 600..=6000;
+pub const WIDTHS: RangeInclusive<usize> = 600..=3200;
 
 const PAPER: Colour = [1.0; 3];
 const INK: Colour = [0.03; 3];
@@ -35,6 +35,9 @@ pub struct Picture {
     pub back: Panel,
     /// The cuts along the warp (y to the right) and along the weft (x to the right), z up.
     pub cuts: [Panel; 2],
+    /// Share of the front where no fiber is seen: more than what the outlines of the yarns leave open, since fibers do not
+    /// reach all of their rims.
+    pub openness: f64,
 }
 
 /// Draw both faces of a cloth, cuts along its first end and its first pick, and its draft, from the fibers of one
@@ -69,26 +72,25 @@ pub fn weave_picture(cloth: &Cloth, scene: &Scene, width: usize) -> Picture {
         for row in 0..panel.height {
             for column in 0..panel.width {
                 let colour = tile.over(column as i64, (panel.height - 1 - row) as i64, AROUND);
-                image.set(panel.left + column, panel.top + row, super::colour::encode(colour));
+                image.set(panel.left + column, panel.top + row, encode(colour));
             }
         }
         above(&mut image, &layout, panel, name);
         heights(&mut image, &layout, panel, cloth.thickness());
     }
     scale_bar(&mut image, &layout, &layout.cuts[1]);
-    Picture { image, front: layout.front, back: layout.back, cuts: layout.cuts }
+    Picture { image, front: layout.front, back: layout.back, cuts: layout.cuts, openness: front.openness() }
 }
 
 /// Draw all fibers of a realization into the four views.
 fn buffers(cloth: &Cloth, layout: &Layout) -> [Depth; 4] {
     let [warp, weft] = &layout.cuts;
     let fine = |panel: &Panel| panel.repeat.map(|pixels| pixels * FINE);
-    let of_face = |side| Depth::new(View::face(cloth, side), [0.0, f64::INFINITY], fine(&layout.front));
+    let of_face = |side| Depth::face(cloth, side, fine(&layout.front));
     let of_cut = |system, panel: &Panel| {
-        let first = cloth.threads().iter().find(|thread| thread.system == system);
-        let height = panel.height as f64 / panel.per_mm;
-        let bottom = layout.room as f64 / panel.per_mm - height;
-        Depth::new(View::along(cloth, system, first.map_or(0.0, |thread| thread.at)), [bottom, height], fine(panel))
+        let at = cloth.threads().iter().find(|thread| thread.system == system).map_or(0.0, |thread| thread.at);
+        let top = layout.room as f64 / panel.per_mm;
+        Depth::along(cloth, system, at, [top - panel.height as f64 / panel.per_mm, top], fine(panel))
     };
     let mut buffers =
         [of_face(Face::Front), of_face(Face::Back), of_cut(System::Warp, warp), of_cut(System::Weft, weft)];
@@ -105,7 +107,7 @@ fn lay_face(image: &mut Image, panel: &Panel, tile: &Tile, first: i64) {
         for column in 0..panel.width {
             let ground = GROUND[(column / check + row / check) % 2];
             let colour = tile.over(first + column as i64, (panel.height - 1 - row) as i64, ground);
-            image.set(panel.left + column, panel.top + row, super::colour::encode(colour));
+            image.set(panel.left + column, panel.top + row, encode(colour));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Where one looks from.
 
 use crate::cloth::{Cloth, System};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// A face of the cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +36,7 @@ impl View {
         View { right, up: DVec3::Y, toward, period, cut: f64::INFINITY, reach: f64::INFINITY }
     }
 
-    /// The view of a cut along the threads of a system, through the middle of one of them, with z up. Along the warp y runs
-    /// to the right and one looks along −x; along the weft x runs to the right and one looks along y.
+    /// The view of a cut along the threads of a system through a plane x or y = `at`, with z up.
     pub fn along(cloth: &Cloth, system: System, at: f64) -> View {
         let (weave, period, endless) = (cloth.weave(), cloth.period(), f64::INFINITY);
         match system {
@@ -63,10 +62,5 @@ impl View {
     /// A vector of the cloth in the frame of the picture: right, up, towards the one who looks.
     pub fn turn(&self, vector: DVec3) -> DVec3 {
         DVec3::new(vector.dot(self.right), vector.dot(self.up), vector.dot(self.toward))
-    }
-
-    /// Size of one repeat in the picture in mm, when the other way it is as high as given.
-    pub(super) fn extent(&self, height: f64) -> DVec2 {
-        DVec2::new(self.period.x, self.period.y.min(height))
     }
 }

@@ -24,7 +24,7 @@ pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {
         repeat(&cloth),
         yarns(scene, &cloth),
         channels(scene),
-        shape(&cloth, &figures),
+        shape(&cloth, &figures, picture.openness),
         mass(&figures),
         sizes(&figures),
         format!("{}\n", file.display()),
@@ -64,11 +64,8 @@ fn yarns(scene: &Scene, cloth: &Cloth) -> String {
     for yarn in used.into_iter().map(|yarn| &weave.yarns[yarn]) {
         let (name, width, height) = (one_line(&yarn.name), micro(yarn.width), micro(yarn.height));
         let fill = yarn.packing(&scene.fibers);
-        let _ = writeln!(
-            text,
-            "yarn             {name}: {}, {width} × {height} µm, of its section {fill:.3} is fiber",
-            fibers(scene, yarn)
-        );
+        let _ =
+            writeln!(text, "yarn             {name}: {}, {width} × {height} µm, fill {fill:.3}", fibers(scene, yarn));
     }
     text
 }
@@ -82,17 +79,18 @@ fn fibers(scene: &Scene, yarn: &Yarn) -> String {
 }
 
 /// The shape of the threads and what they cover.
-fn shape(cloth: &Cloth, figures: &Statistics) -> String {
+fn shape(cloth: &Cloth, figures: &Statistics, openness: f64) -> String {
     let [warp, weft] = figures.crimp.map(|crimp| 100.0 * crimp);
     let [steep_warp, steep_weft] = figures.steepest.map(f64::to_degrees);
     // Rounding leaves a trace of either sign where yarns just touch.
     let penetration = (figures.penetration * 1e6).round().max(0.0) / 1e3;
     format!(
         "crimp            warp {warp:.2} %, weft {weft:.2} %\n\
-         steepest slope   warp {steep_warp:.1}°, weft {steep_weft:.1}°\n\
-         cover factor     {:.4} of the yarns' outlines, open {:.4}\n\
+         steepest slope   warp {steep_warp:.1}°, weft {steep_weft:.1}°; there the fill is up to {:.3}\n\
+         cover factor     {:.4} and open {:.4} by the yarns' outlines; open {openness:.3} by the drawn fibers\n\
          thickness        {:.4} mm\n\
          yarns overlap    {penetration} µm at most\n",
+        figures.densest,
         figures.cover_factor,
         figures.openness,
         cloth.thickness(),

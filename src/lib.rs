@@ -17,7 +17,7 @@
 //!
 //! # Floors
 //! Data flows down once: [`scene`] → [`cloth`], of a weave → [`distribution`] → [`tables`], [`goniometer`] → an engine
-//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`]; [`measure`] runs it. No module imports one from a later floor,
+//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it. No module imports one from a later floor,
 //! and the engines do not know of each other.
 
 pub mod bsdf;
@@ -30,6 +30,7 @@ pub mod gpu;
 pub mod measure;
 pub mod optics;
 pub mod reference;
+pub mod report;
 pub mod results;
 pub mod scene;
 pub mod tables;

@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["bsdf"],
     &["measure"],
     &["results"],
+    &["report"],
     &["cli", "main", "lib"],
 ];
 
@@ -31,6 +32,8 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("rayon", &["reference", "distribution"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
+    ("png", &["report"]),
+    ("noto_sans_mono_bitmap", &["report"]),
 ];
 
 fn floor(room: &str) -> usize {

@@ -181,6 +181,10 @@ fn describe(
             100.0 * prepared.specific_length.spread_error
         ));
     }
+    if let Some(visible) = &prepared.tables.visible {
+        let (n, percent) = (visible.n, 100.0 * visible.error);
+        lines.push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
+    }
     lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
     if let Stop::Tolerance(tolerance) = stop {
         let percent = (1e8 * tolerance).round() / 1e6;

@@ -91,12 +91,21 @@ impl SpecificLength {
     /// H(m) = Σ 2 R ∫|m × p| f dΩ of a cell in 1/mm (paper §3), by the midpoints of 8 × 8 parts of each patch; `radius`
     /// gives R of a kind of fiber in mm.
     pub fn visible_area(&self, cell: usize, m: DVec3, radius: impl Fn(usize) -> f64) -> f64 {
-        let part = |bundle: &Bundle| {
-            let middles = (0..64).map(|i| (DVec2::new(f64::from(i % 8), f64::from(i / 8)) + 0.5) / 8.0);
-            let sines = middles.map(|place| m.cross(direction_of(bundle.patch.at(place))).length());
-            2.0 * radius(bundle.kind) * bundle.length_density * sines.sum::<f64>() / 64.0
+        let Cell { surface, .. } = self.values[cell];
+        if surface > 0.0 { 2.0 * surface * mean_sine(self.bundles(cell), m, radius) } else { 0.0 }
+    }
+
+    /// H(m) in 1/mm, the mean over all cells.
+    pub fn mean_visible_area(&self, m: DVec3, radius: impl Fn(usize) -> f64) -> f64 {
+        // Look at each list once: cells that share one differ in their surface alone.
+        let mut surface = vec![0.0; self.lists.len()];
+        for cell in self.values.iter().filter(|cell| cell.surface > 0.0) {
+            surface[cell.list as usize] += cell.surface;
+        }
+        let of_list = |(list, surface): (&Vec<Bundle>, f64)| {
+            if surface > 0.0 { 2.0 * surface * mean_sine(list, m, &radius) } else { 0.0 }
         };
-        self.scale(cell, &radius) * self.bundles(cell).iter().map(part).sum::<f64>()
+        self.lists.iter().zip(surface).map(of_list).sum::<f64>() / self.values.len() as f64
     }
 
     /// F = ∫f dΩ over E⁺ of a cell, in mm/mm³.
@@ -120,6 +129,16 @@ impl SpecificLength {
 /// Σ R F of a list, in 1/mm when its shares are densities in mm/mm³; `radius` gives R of a kind of fiber in mm.
 pub fn surface(bundles: &[Bundle], radius: impl Fn(usize) -> f64) -> f64 {
     bundles.iter().map(|bundle| radius(bundle.kind) * bundle.length_density).sum()
+}
+
+/// ⟨|m × p|⟩ over the fibers of a list with weight R f, by the midpoints of 8 × 8 parts of each patch.
+fn mean_sine(bundles: &[Bundle], m: DVec3, radius: impl Fn(usize) -> f64) -> f64 {
+    let part = |bundle: &Bundle| {
+        let middles = (0..64).map(|i| (DVec2::new(f64::from(i % 8), f64::from(i / 8)) + 0.5) / 8.0);
+        let sines = middles.map(|place| m.cross(direction_of(bundle.patch.at(place))).length());
+        radius(bundle.kind) * bundle.length_density * sines.sum::<f64>() / 64.0
+    };
+    bundles.iter().map(part).sum::<f64>() / surface(bundles, &radius)
 }
 
 /// Equal shares for patches of equal measure.

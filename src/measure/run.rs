@@ -111,7 +111,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
 }
 
 /// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, the table as it is
-/// written, and what the gpu engine holds of one batch (on the device, as last seen, and twice on the way).
+/// written, what the gpu engine holds of one batch (on the device, as last seen, and twice on the way), and the tables.
 pub fn memory(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
     let (layout, starts) = (goniometer.layout(), goniometer.starts());
     let bins = layout.stride() * starts;
@@ -119,7 +119,10 @@ pub fn memory(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
     let tally = bins * size_of::<u64>() + moments * size_of::<Moments>();
     let written = 2 * bins * tables.channels() * size_of::<f32>();
     let batch = (4 * (bins + 4 * moments)).min(128 << 20);
-    2 * tally + written + 4 * batch
+    // What the device reads of the tables is packed on the host first.
+    let packed = 16 * (tables.patches.len() + tables.visible.as_ref().map_or(0, |visible| visible.nodes.len()));
+    let cells = 16 * tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
+    2 * tally + written + 4 * batch + tables.bytes() + 2 * (packed + cells)
 }
 
 /// Measure a prepared scene with a chosen engine until `stop` says that it is enough; `started` is when the work on it

@@ -32,12 +32,7 @@ impl ResultFolder {
     /// [`Error::File`] when it cannot be written.
     pub fn prepare(path: &Path, force: bool) -> Result<ResultFolder> {
         let shown = path.display();
-        if path.symlink_metadata().is_ok() && !path.is_dir() {
-            return Err(Error::Input(format!("{shown} is not a folder: -o names the folder of the result")));
-        }
-        if let Some(file) = FILES.iter().find(|file| path.join(file).is_dir()) {
-            return Err(Error::Input(format!("{shown} holds a folder named {file}: -o names another folder")));
-        }
+        check_place(path, &FILES)?;
         if let (false, Some(file)) = (force, FILES.iter().find(|file| path.join(file).exists())) {
             let message =
                 format!("{shown} holds a result already ({file}): --force replaces it, -o names another folder");
@@ -82,6 +77,22 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Write one more file into a folder, beside a result or without one; an older file of the name is replaced.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when a file or folder is in the way, [`Error::File`] when the file cannot be written; then there
+    /// is no part of it, and no folder that was not there before.
+    pub fn add(path: &Path, name: &str, write: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<PathBuf> {
+        check_place(path, &[name])?;
+        let mut folder = ResultFolder { path: path.into(), made: None, written: false };
+        folder.make()?;
+        let mut file = folder.temporary()?;
+        write(file.as_file_mut()).map_err(|source| folder.failed(source))?;
+        file.persist(folder.path.join(name)).map_err(|failed| folder.failed(failed.error))?;
+        folder.written = true;
+        Ok(folder.path.join(name))
+    }
+
     /// Make the folder and those that it lies in, and note the first that was missing.
     fn make(&mut self) -> Result<()> {
         let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
@@ -119,4 +130,16 @@ impl Drop for ResultFolder {
             self.unmake();
         }
     }
+}
+
+/// See that no file lies where the folder is to be, and no folder where its files are to be.
+fn check_place(path: &Path, files: &[&str]) -> Result<()> {
+    let shown = path.display();
+    if path.symlink_metadata().is_ok() && !path.is_dir() {
+        return Err(Error::Input(format!("{shown} is not a folder: -o names the folder of the result")));
+    }
+    if let Some(file) = files.iter().find(|file| path.join(file).is_dir()) {
+        return Err(Error::Input(format!("{shown} holds a folder named {file}: -o names another folder")));
+    }
+    Ok(())
 }

@@ -178,6 +178,13 @@ impl SamplingTables {
         self.majorant * self.thickness * filled
     }
 
+    /// Memory of the tables in bytes.
+    pub fn bytes(&self) -> usize {
+        let entries = self.patches.len() * (size_of::<Patch>() + size_of::<u8>() + size_of::<u32>());
+        let cells = self.cells.as_ref().map_or(0, |cells| cells.entries.len() * size_of::<CellEntry>());
+        entries + cells + self.visible.as_ref().map_or(0, |visible| visible.nodes.len() * size_of::<f32>())
+    }
+
     /// Channels that have to be told apart: one when no fiber absorbs.
     pub fn channels(&self) -> usize {
         if self.absorbing() { self.kinds[0].absorption.len() } else { 1 }

@@ -30,8 +30,8 @@ impl VisibleArea {
     pub fn new(tables: &SamplingTables) -> VisibleArea {
         let count = tables.lists.len();
         let n: u32 = match count {
-            0..=4 => 64,
-            5..=256 => 32,
+            0..=16 => 64,
+            17..=4096 => 32,
             _ => 16,
         };
         let exact: Vec<Exact> = (0..count).map(|list| Exact::new(tables, list)).collect();

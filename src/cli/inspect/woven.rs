@@ -1,0 +1,142 @@
+//! `fiberwalk inspect` of a weave.
+
+use super::super::{one_line, print};
+use super::{areal_mass, channels, light, results};
+use fiberwalk::Result;
+use fiberwalk::measure::{Prepared, prepare};
+use fiberwalk::cloth::{Cloth, Statistics};
+use fiberwalk::report::weave_picture;
+use fiberwalk::results::ResultFolder;
+use fiberwalk::scene::{Scene, Yarn};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Name of the picture in its folder.
+const PICTURE: &str = "weave.png";
+
+/// Draw the weave into a folder, and say what the cloth is and where its picture lies.
+pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {
+    let cloth = Cloth::new(scene)?;
+    let figures = cloth.statistics();
+    let prepared = prepare(scene)?;
+    let picture = weave_picture(&cloth, scene, width);
+    let file = ResultFolder::add(folder, PICTURE, |file| picture.image.write_png(file))?;
+    let blocks = [
+        format!("{}\n", one_line(&scene.name)),
+        repeat(&cloth),
+        yarns(scene, &cloth),
+        channels(scene),
+        shape(&cloth, &figures, picture.openness),
+        mass(&figures),
+        sizes(&figures),
+        medium(scene, &prepared),
+        results(&prepared),
+        format!("{}\n", file.display()),
+    ];
+    print(&blocks.concat())
+}
+
+/// The repeat and the setting of the threads.
+fn repeat(cloth: &Cloth) -> String {
+    let (weave, size) = (cloth.weave(), cloth.size());
+    let per_cm = |spacing: f64| (1e6 * 10.0 / spacing).round() / 1e6;
+    format!(
+        "repeat           {} ends × {} picks, {:.4} × {:.4} mm\n\
+         setting          {} ends/cm, {} picks/cm\n",
+        weave.ends.len(),
+        weave.picks.len(),
+        size.x,
+        size.y,
+        per_cm(weave.end_spacing),
+        per_cm(weave.pick_spacing),
+    )
+}
+
+/// The kinds of fiber and the yarns that the threads are made of.
+fn yarns(scene: &Scene, cloth: &Cloth) -> String {
+    let weave = cloth.weave();
+    let micro = |length: f64| (length * 1e9).round() / 1e6;
+    let mut text = String::new();
+    for kind in weave.kinds() {
+        let fiber = &scene.fibers[kind];
+        let (name, radius) = (one_line(&fiber.name), micro(fiber.radius));
+        let _ = writeln!(text, "fibers           {name}: radius {radius} µm, index {}", fiber.ior);
+    }
+    let mut used: Vec<usize> = weave.ends.iter().chain(&weave.picks).copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for yarn in used.into_iter().map(|yarn| &weave.yarns[yarn]) {
+        let (name, width, height) = (one_line(&yarn.name), micro(yarn.width), micro(yarn.height));
+        let fill = yarn.packing(&scene.fibers);
+        let _ =
+            writeln!(text, "yarn             {name}: {}, {width} × {height} µm, fill {fill:.3}", fibers(scene, yarn));
+    }
+    text
+}
+
+/// How many fibers of which kinds a yarn has.
+fn fibers(scene: &Scene, yarn: &Yarn) -> String {
+    let kinds =
+        yarn.counts().into_iter().map(|(kind, count)| format!("{count} {}", one_line(&scene.fibers[kind].name)));
+    let plies = if yarn.plies == 1 { String::new() } else { format!(" in {} plies", yarn.plies) };
+    format!("{}{plies}", kinds.collect::<Vec<_>>().join(" + "))
+}
+
+/// The shape of the threads and what they cover.
+fn shape(cloth: &Cloth, figures: &Statistics, openness: f64) -> String {
+    let [warp, weft] = figures.crimp.map(|crimp| 100.0 * crimp);
+    let [steep_warp, steep_weft] = figures.steepest.map(f64::to_degrees);
+    // Rounding leaves a trace of either sign where yarns just touch.
+    let penetration = (figures.penetration * 1e6).round().max(0.0) / 1e3;
+    format!(
+        "crimp            warp {warp:.2} %, weft {weft:.2} %\n\
+         steepest slope   warp {steep_warp:.1}°, weft {steep_weft:.1}°; there the fill is up to {:.3}\n\
+         cover factor     {:.4} and open {:.4} by the yarns' outlines; open {openness:.3} by the drawn fibers\n\
+         thickness        {:.4} mm\n\
+         yarns overlap    {penetration} µm at most\n",
+        figures.densest,
+        figures.cover_factor,
+        figures.openness,
+        cloth.thickness(),
+    )
+}
+
+/// How much fiber there is.
+fn mass(figures: &Statistics) -> String {
+    format!("volume fraction  {:.4} on average\n", figures.volume_fraction) + &areal_mass(figures.areal_mass)
+}
+
+/// What a realization takes.
+fn sizes(figures: &Statistics) -> String {
+    format!("realization      {} fibers in {} straight pieces\n", figures.fibers, figures.pieces)
+}
+
+/// The medium that it becomes.
+fn medium(scene: &Scene, prepared: &Prepared) -> String {
+    let Prepared { specific_length, tables, gathering, .. } = prepared;
+    let [nx, ny, nz] = specific_length.cells.counts;
+    let edges = specific_length.cells.edges() * 1e3;
+    let mut text = String::new();
+    if let Some(gathering) = gathering {
+        let [lx, ly, lz] = gathering.list_counts;
+        let _ = writeln!(
+            text,
+            "cells            {nx} × {ny} × {nz} of {:.1} × {:.1} × {:.1} µm, {} of them hold fiber, {:.3} of a cell at most\n\
+             directions       {} lists for {lx} × {ly} × {lz} cells, {} entries, from a grid of {}\n\
+             counted          {} realizations, standard error of f {:.1} % of its root mean square",
+            edges.x,
+            edges.y,
+            edges.z,
+            gathering.filled,
+            gathering.largest_fraction,
+            tables.lists.len(),
+            tables.patches.len(),
+            scene.model.directions,
+            gathering.realizations,
+            100.0 * gathering.error,
+        );
+    }
+    text += &light(scene, prepared);
+    let _ = writeln!(text, "tables           {:.1} MiB", tables.bytes() as f64 / f64::from(1 << 20));
+    text
+}

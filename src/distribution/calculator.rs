@@ -4,10 +4,11 @@ use super::cells::{Cell, CellGrid};
 use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
 use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
-use super::sheet::SpecificLength;
-use crate::cloth::Cloth;
+use super::sheet::{Bundle, SpecificLength};
+use crate::cloth::{Cloth, Primitive};
 use crate::error::{Error, Result};
 use crate::scene::Model;
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::f64::consts::PI;
@@ -28,6 +29,8 @@ const CHUNK: u64 = 16;
 const SEED: u64 = 0;
 /// Fibers cannot fill more of a cell than this.
 const MAX_VOLUME_FRACTION: f64 = 0.9;
+/// Sums of R·length, in units of the count, that a word holds with certainty.
+const MOST_UNITS: f64 = (1u64 << 62) as f64;
 /// Standard errors by which a cell must be too full to be refused: once in 3·10⁶ cells by chance.
 const SURELY: f64 = 5.0;
 
@@ -64,60 +67,106 @@ pub struct Gathering {
     pub list_counts: [u32; 3],
 }
 
+/// What is counted: fibers as straight pieces in a periodic element, drawn at random.
+#[derive(Clone, Copy)]
+pub struct Element<'a> {
+    /// The cells of densities.
+    pub cells: CellGrid,
+    /// A list of directions serves a block of cells that is no wider than this in mm; up to four cells along each axis.
+    pub list_width: DVec3,
+    /// Radius of each kind of fiber in mm.
+    pub radii: &'a [f64],
+    /// The pieces of a realization, from its number.
+    pub realize: &'a (dyn Fn(u64) -> Vec<Primitive> + Sync),
+}
+
 impl SpecificLength {
     /// Count the fibers of a woven cloth: the mean over realizations. `progress` is told the share that is done.
     ///
     /// # Errors
-    /// [`Error::Input`] when the fibers fill more than 0.9 of a cell; it names the cell and a grid that cures it.
+    /// Those of [`SpecificLength::of_pieces`].
     pub fn of_cloth(
         cloth: &Cloth,
         model: &Model,
         effort: Effort,
-        mut progress: impl FnMut(f64),
+        progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
-        let grids = grids(cloth, model);
-        let mut sums = Sums::new(&grids);
-        let mut wanted = match effort {
-            Effort::Realizations(count) => count.max(2),
-            Effort::Precision(_) => FEWEST,
+        let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
+        let counts = model.cells.unwrap_or_else(|| default_counts(cloth));
+        let weave = cloth.weave();
+        let element = Element {
+            cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
+            // A quarter of the distance of two yarns.
+            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) / 4.0,
+            radii: &radii,
+            realize: &|number| cloth.realize(SEED, number),
         };
-        loop {
-            for first in (sums.realizations..wanted).step_by(CHUNK as usize) {
-                let numbers = first..(first + CHUNK).min(wanted);
-                let counts: Vec<Count> =
-                    numbers.into_par_iter().map(|number| count(&cloth.realize(SEED, number), &grids)).collect();
-                counts.iter().for_each(|count| sums.add(count));
-                progress(sums.realizations as f64 / wanted as f64);
-            }
-            let Effort::Precision(precision) = effort else { break };
-            let error = sums.error();
-            if error <= precision || wanted >= MOST {
-                break;
-            }
-            // The error falls with the root of the realizations.
-            let needed = (sums.realizations as f64 * (error / precision).powi(2)).ceil() as u64;
-            wanted = needed.clamp(wanted + CHUNK, MOST);
+        SpecificLength::of_pieces(&element, model, effort, progress)
+    }
+
+    /// Count the pieces of an element: the mean over realizations. Of `model`, the number of directions and the cone matter.
+    /// `progress` is told the share that is done.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when there are no pieces, or more than can be counted; when the fibers fill more than 0.9 of a cell:
+    /// it names the cell and a grid that cures it.
+    pub fn of_pieces(
+        element: &Element,
+        model: &Model,
+        effort: Effort,
+        progress: impl FnMut(f64),
+    ) -> Result<(SpecificLength, Gathering)> {
+        let grids = grids(element, model);
+        let sums = gather(element, &grids, effort, progress);
+        if sums.total == 0.0 {
+            return Err(Error::Input("there is no fiber to count".into()));
         }
-        sums.finish(cloth, model, &grids)
+        if sums.total * SURFACE_UNIT > MOST_UNITS {
+            let area = sums.total / sums.realizations as f64;
+            let message = format!("radius × length of the fibers is {area:.0} mm² in all, too much to be counted");
+            return Err(Error::Input(message));
+        }
+        let found = sums.finish(element, model, &grids);
+        match too_full(&found.0, &sums, element.radii) {
+            Some(full) => Err(refuse(element, model, &sums, full)),
+            None => Ok(found),
+        }
     }
 }
 
-/// The grids on which a cloth is counted.
-fn grids(cloth: &Cloth, model: &Model) -> Grids {
-    let size = cloth.size();
-    let cells = CellGrid {
-        counts: model.cells.unwrap_or_else(|| default_counts(cloth)),
-        period: cloth.period(),
-        thickness: cloth.thickness(),
+/// Count as many realizations as are wanted.
+fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl FnMut(f64)) -> Sums {
+    let mut sums = Sums::new(grids);
+    let mut wanted = match effort {
+        Effort::Realizations(count) => count.max(2),
+        Effort::Precision(_) => FEWEST,
     };
-    let weave = cloth.weave();
-    let edges = cells.edges();
-    // A list is never wider than a quarter of the distance of two yarns, nor than four cells.
-    let quarter = [weave.end_spacing / 4.0, weave.pick_spacing / 4.0, size.z / 4.0];
-    let block = [0, 1, 2].map(|axis| ((quarter[axis] / edges[axis]) as u32).clamp(1, 4));
+    loop {
+        for first in (sums.realizations..wanted).step_by(CHUNK as usize) {
+            let numbers = first..(first + CHUNK).min(wanted);
+            let counts: Vec<Count> =
+                numbers.into_par_iter().map(|number| count(&(element.realize)(number), grids)).collect();
+            counts.iter().for_each(|count| sums.add(count));
+            progress(sums.realizations as f64 / wanted as f64);
+        }
+        let Effort::Precision(precision) = effort else { return sums };
+        let error = sums.error();
+        if error <= precision || wanted >= MOST {
+            return sums;
+        }
+        // The error falls with the root of the realizations.
+        let needed = (sums.realizations as f64 * (error / precision).powi(2)).ceil() as u64;
+        wanted = needed.max(wanted + CHUNK).min(MOST);
+    }
+}
+
+/// The grids on which an element is counted.
+fn grids(element: &Element, model: &Model) -> Grids {
+    let edges = element.cells.edges();
+    let block = [0, 1, 2].map(|axis| ((element.list_width[axis] / edges[axis]) as u32).clamp(1, 4));
     // Count directions four times as finely as they are tabulated.
     let n = (4 * model.directions.isqrt()).clamp(128, 1024);
-    Grids { cells, block, raw: DirectionGrid { n } }
+    Grids { cells: element.cells, block, raw: DirectionGrid { n } }
 }
 
 /// Cells of edge 4R, fewer where that would be too many.
@@ -137,97 +186,119 @@ fn default_counts(cloth: &Cloth) -> [u32; 3] {
 /// Sums over realizations.
 struct Sums {
     realizations: u64,
+    /// Σ R·length in mm².
+    total: f64,
     surface: Vec<u64>,
-    /// Squares of the surface of one realization, in units of 2¹⁶ of those of `surface`.
-    square: Vec<u64>,
+    /// Sums of the squares of one realization.
+    square: Vec<f64>,
     directions: FxHashMap<Key, Gathered>,
 }
 
 impl Sums {
     fn new(grids: &Grids) -> Sums {
         let cells = grids.cells.len();
-        Sums { realizations: 0, surface: vec![0; cells], square: vec![0; cells], directions: FxHashMap::default() }
+        let (surface, square) = (vec![0; cells], vec![0.0; cells]);
+        Sums { realizations: 0, total: 0.0, surface, square, directions: FxHashMap::default() }
     }
 
+    /// Add a realization; always in the order of their numbers.
     fn add(&mut self, count: &Count) {
         self.realizations += 1;
+        self.total += count.total;
         for ((sum, square), surface) in self.surface.iter_mut().zip(&mut self.square).zip(&count.surface) {
             *sum += surface;
-            *square += (surface >> 16).pow(2);
+            *square += (*surface as f64).powi(2);
         }
         for (key, gathered) in &count.directions {
             self.directions.entry(*key).and_modify(|known| known.add(gathered)).or_insert(*gathered);
         }
     }
 
+    /// Mean of a cell and the variance of that mean.
+    fn mean(&self, cell: usize) -> (f64, f64) {
+        let n = self.realizations as f64;
+        let (mean, square) = (self.surface[cell] as f64 / n, self.square[cell] / n);
+        (mean, (square - mean * mean).max(0.0) / (n - 1.0))
+    }
+
     /// Root of the summed variances of the means over the root of their summed squares.
     fn error(&self) -> f64 {
-        let n = self.realizations as f64;
-        let (mut variance, mut square) = (0.0, 0.0);
-        for (sum, squares) in self.surface.iter().zip(&self.square) {
-            let mean = *sum as f64 / n;
-            let mean_square = *squares as f64 * 2f64.powi(32) / n;
-            variance += (mean_square - mean * mean).max(0.0) / (n - 1.0);
-            square += mean * mean;
+        let (mut variances, mut squares) = (0.0, 0.0);
+        for cell in 0..self.surface.len() {
+            let (mean, variance) = self.mean(cell);
+            variances += variance;
+            squares += mean * mean;
         }
-        (variance / square).sqrt()
+        f64::sqrt(variances / squares)
     }
 
     /// Standard error of the density of a cell, relative to it.
     fn relative_error(&self, cell: usize) -> f64 {
-        let n = self.realizations as f64;
-        let (mean, square) = (self.surface[cell] as f64 / n, self.square[cell] as f64 * 2f64.powi(32) / n);
-        if mean > 0.0 { ((square / (mean * mean) - 1.0).max(0.0) / (n - 1.0)).sqrt() } else { 0.0 }
+        let (mean, variance) = self.mean(cell);
+        if mean > 0.0 { variance.sqrt() / mean } else { 0.0 }
     }
 
-    fn finish(&self, cloth: &Cloth, model: &Model, grids: &Grids) -> Result<(SpecificLength, Gathering)> {
+    fn finish(&self, element: &Element, model: &Model, grids: &Grids) -> (SpecificLength, Gathering) {
         let grid = DirectionGrid { n: model.directions.isqrt() };
-        let radius = |kind: usize| cloth.kinds()[kind].radius;
+        let radius = |kind: usize| element.radii[kind];
         let Lists { lists, of_cell, spread_error } =
             make_lists(&self.directions, grids.raw, grid, model.cone.unwrap_or_default(), radius);
         let edges = grids.cells.edges();
         let scale = 1.0 / (SURFACE_UNIT * self.realizations as f64 * edges.x * edges.y * edges.z);
-        // v = π Σ R² F = π ⟨R²F⟩/⟨RF⟩ Σ R F.
-        let thickness: Vec<f64> = lists
-            .iter()
-            .map(|list| {
-                let mean = |power: i32| list.iter().map(|b| radius(b.kind).powi(power) * b.length_density).sum::<f64>();
-                PI * mean(2) / mean(1)
-            })
-            .collect();
         let cell = |(surface, place): (&u64, [u32; 3])| {
             let list = of_cell.get(&grids.list_of(place)).copied().unwrap_or_default();
             Cell { surface: *surface as f64 * scale, placement: 1.0, list }
         };
         let values: Vec<Cell> = self.surface.iter().zip(grids.cells.places()).map(cell).collect();
-        let fraction =
-            |cell: &Cell| if cell.surface > 0.0 { cell.surface * thickness[cell.list as usize] } else { 0.0 };
-        let fractions: Vec<f64> = values.iter().map(fraction).collect();
-        let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * self.relative_error(i));
-        let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b))).unwrap_or_default();
-        if surely(&fullest) > MAX_VOLUME_FRACTION {
-            return Err(too_full(grids, fullest, fractions[fullest]));
-        }
+        let specific_length = SpecificLength { grid, cells: grids.cells, values, lists, spread_error };
+        let fractions = volume_fractions(&specific_length, element.radii);
         let gathering = Gathering {
             realizations: self.realizations,
             error: self.error(),
             volume_fraction: fractions.iter().sum::<f64>() / fractions.len() as f64,
             largest_fraction: fractions.iter().copied().fold(0.0, f64::max),
-            filled: values.iter().filter(|cell| cell.surface > 0.0).count(),
+            filled: specific_length.values.iter().filter(|cell| cell.surface > 0.0).count(),
             list_counts: grids.list_counts(),
         };
-        Ok((SpecificLength { grid, cells: grids.cells, values, lists, spread_error }, gathering))
+        (specific_length, gathering)
     }
 }
 
-/// Name the cell that is too full, and the grid of twice the edge.
-fn too_full(grids: &Grids, cell: usize, fraction: f64) -> Error {
-    let [nx, ny, nz] = grids.cells.counts;
-    let cell = cell as u32;
-    let (ix, iy, iz) = (cell % nx, cell / nx % ny, cell / nx / ny);
-    let [cx, cy, cz] = grids.cells.counts.map(|count| count.div_ceil(2));
+/// Share of each cell that is fiber, v = π Σ R² F = π ⟨R²F⟩/⟨RF⟩ Σ R F.
+fn volume_fractions(specific_length: &SpecificLength, radii: &[f64]) -> Vec<f64> {
+    let thickness = |list: &Vec<Bundle>| {
+        let mean = |power: i32| list.iter().map(|b| radii[b.kind].powi(power) * b.length_density).sum::<f64>();
+        PI * mean(2) / mean(1)
+    };
+    let thickness: Vec<f64> = specific_length.lists.iter().map(thickness).collect();
+    let fraction = |cell: &Cell| if cell.surface > 0.0 { cell.surface * thickness[cell.list as usize] } else { 0.0 };
+    specific_length.values.iter().map(fraction).collect()
+}
+
+/// The cell that is most surely too full, and its volume fraction.
+fn too_full(specific_length: &SpecificLength, sums: &Sums, radii: &[f64]) -> Option<(usize, f64)> {
+    let fractions = volume_fractions(specific_length, radii);
+    let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * sums.relative_error(i));
+    let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b)))?;
+    (surely(&fullest) > MAX_VOLUME_FRACTION).then(|| (fullest, fractions[fullest]))
+}
+
+/// Name the cell that is too full, and the finest grid of 2, 4, … times the edge that has no such cell.
+fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usize, f64)) -> Error {
+    let [nx, ny, nz] = element.cells.counts;
+    let place = element.cells.places().nth(cell).unwrap_or_default();
+    let mut coarse = *element;
+    let mut cure = String::new();
+    while coarse.cells.counts != [1; 3] && cure.is_empty() {
+        coarse.cells.counts = coarse.cells.counts.map(|count| count.div_ceil(2));
+        let grids = grids(&coarse, model);
+        let counted = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {});
+        if too_full(&counted.finish(&coarse, model, &grids).0, &counted, coarse.radii).is_none() {
+            cure = format!("take fewer cells, such as cells = {:?}, or ", coarse.cells.counts);
+        }
+    }
     Error::Input(format!(
-        "fibers fill {fraction:.2} of cell ({ix}, {iy}, {iz}) of {nx} × {ny} × {nz}, but at most {MAX_VOLUME_FRACTION} is \
-         possible: take fewer cells, such as cells = [{cx}, {cy}, {cz}], or make the yarns wider"
+        "fibers fill {fraction:.2} of cell {place:?} of {nx} × {ny} × {nz}, but at most {MAX_VOLUME_FRACTION} is possible: \
+         {cure}make the yarns wider"
     ))
 }

@@ -9,7 +9,7 @@ use glam::{DVec3, I64Vec3};
 use rustc_hash::FxHashMap;
 
 /// Units of R·length in a mm²: sums are integers, so they do not depend on their order.
-pub const SURFACE_UNIT: f64 = (1u64 << 36) as f64;
+pub const SURFACE_UNIT: f64 = (1u64 << 32) as f64;
 /// Units of the sum of directions, weighted by R·length, in a mm².
 const DIRECTION_UNIT: f64 = (1u64 << 30) as f64;
 
@@ -88,6 +88,8 @@ impl Gathered {
 /// The counts of one realization.
 #[derive(Clone, Debug)]
 pub struct Count {
+    /// Σ R·length in mm².
+    pub total: f64,
     /// Σ R·length by density cell, in units of 1/[`SURFACE_UNIT`] mm².
     pub surface: Vec<u64>,
     /// By list cell, kind and direction.
@@ -96,7 +98,7 @@ pub struct Count {
 
 /// Count all pieces of a realization.
 pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
-    let mut counted = Count { surface: vec![0; grids.cells.len()], directions: FxHashMap::default() };
+    let mut counted = Count { total: 0.0, surface: vec![0; grids.cells.len()], directions: FxHashMap::default() };
     let mut clipper = Clipper::new(grids.cells);
     for piece in pieces {
         let half = piece.direction * (piece.length / 2.0);
@@ -113,7 +115,8 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
             }
         };
         let (mut run, mut run_surface) = ((u32::MAX, 0.0, 0.0), 0);
-        let Count { surface, directions } = &mut counted;
+        counted.total += whole;
+        let Count { surface, directions, .. } = &mut counted;
         clipper.parts(piece.centre - half, piece.centre + half, |place, start, end| {
             let part = units(end) - units(start);
             surface[grids.cells.index(place)] += part;

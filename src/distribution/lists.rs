@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Points that stand for the cone around a direction.
-const CONE_POINTS: u32 = 256;
+/// Fewest and most points that stand for the cone around a direction, and how many for each cell of the grid in it.
+const CONE_POINTS: [f64; 2] = [256.0, 4096.0];
+const POINTS_A_CELL: f64 = 4.0;
 /// Lists whose error of H is looked at: those with the most fiber.
 const LOOKED_AT: usize = 16;
 
@@ -176,9 +177,11 @@ impl Maker {
         let (grid, n, cone) = (self.grid, self.raw.n, self.cone);
         self.spread.entry(raw).or_insert_with(|| {
             let p = direction_of(Patch::cell(n, raw % n, raw / n).centre());
+            let cells = (1.0 - cone.cos()) * f64::from(grid.n * grid.n);
+            let points = (POINTS_A_CELL * cells).clamp(CONE_POINTS[0], CONE_POINTS[1]) as u32;
             let mut shares: BTreeMap<u32, f64> = BTreeMap::new();
-            for point in cone_points(p, cone, CONE_POINTS) {
-                *shares.entry(grid.cell_of(point) as u32).or_default() += 1.0 / f64::from(CONE_POINTS);
+            for point in cone_points(p, cone, points) {
+                *shares.entry(grid.cell_of(point) as u32).or_default() += 1.0 / f64::from(points);
             }
             shares.into_iter().collect()
         })

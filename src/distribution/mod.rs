@@ -28,7 +28,7 @@ mod lists;
 mod sheet;
 mod spread;
 
-pub use calculator::{Effort, Gathering};
+pub use calculator::{Effort, Element, Gathering};
 pub use cells::{Cell, CellGrid};
 pub use directions::{DirectionGrid, direction_of, square_of};
 pub use sheet::{Bundle, SpecificLength, surface};

@@ -23,7 +23,7 @@ const USUAL: Effort = Effort::Precision(0.05);
 /// Fewest and most realizations.
 const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
-/// Realizations that are counted side by side.
+/// Fewest realizations to add.
 const CHUNK: u64 = 16;
 /// The fibers of a cloth do not depend on the seed of the walks.
 const SEED: u64 = 0;
@@ -142,8 +142,10 @@ fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl F
         Effort::Precision(_) => FEWEST,
     };
     loop {
-        for first in (sums.realizations..wanted).step_by(CHUNK as usize) {
-            let numbers = first..(first + CHUNK).min(wanted);
+        // One realization for each thread at a time: no more of them are held.
+        let side_by_side = rayon::current_num_threads() as u64;
+        for first in (sums.realizations..wanted).step_by(side_by_side as usize) {
+            let numbers = first..(first + side_by_side).min(wanted);
             let counts: Vec<Count> =
                 numbers.into_par_iter().map(|number| count(&(element.realize)(number), grids)).collect();
             counts.iter().for_each(|count| sums.add(count));

@@ -5,13 +5,11 @@ use super::clip::Clipper;
 use super::directions::DirectionGrid;
 use super::sheet::EXACT;
 use crate::cloth::Primitive;
-use glam::{DVec3, I64Vec3};
+use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
 /// Units of R·length in a mm²: sums are integers, so they do not depend on their order.
 pub const SURFACE_UNIT: f64 = (1u64 << 32) as f64;
-/// Units of the sum of directions, weighted by R·length, in a mm².
-const DIRECTION_UNIT: f64 = (1u64 << 30) as f64;
 
 /// The grids that a calculator counts on.
 #[derive(Clone, Copy, Debug)]
@@ -55,11 +53,10 @@ pub struct Gathered {
     /// Σ R·length in units of 1/[`SURFACE_UNIT`] mm².
     pub surface: u64,
     /// Parts of pieces.
-    pub parts: u64,
-    /// Σ R·length·p, p of one sign in the bin.
-    direction: I64Vec3,
-    /// The first direction, and whether all are the same.
-    first: DVec3,
+    pub parts: u32,
+    /// Σ R·length·p in mm², p of one sign in the bin. Realizations are added in their order, so floats do.
+    direction: Vec3,
+    /// Whether all directions are the same.
     one: bool,
 }
 
@@ -71,17 +68,19 @@ impl Gathered {
 
     /// The direction that all fibers share to 10⁻⁶, if they do.
     pub fn only(&self) -> Option<DVec3> {
-        self.one.then_some(self.first)
+        self.one.then(|| self.mean())
     }
 
     /// Take in another count.
     pub fn add(&mut self, other: &Gathered) {
         self.surface += other.surface;
         self.parts += other.parts;
+        let across =
+            self.direction.cross(other.direction).length() / (self.direction.length() * other.direction.length());
+        self.one &= other.one && f64::from(across) <= EXACT;
         // Directions on the horizon may have come with either sign.
-        let same = self.direction.as_dvec3().dot(other.direction.as_dvec3()) >= 0.0;
+        let same = self.direction.dot(other.direction) >= 0.0;
         self.direction += if same { other.direction } else { -other.direction };
-        self.one &= other.one && self.first.cross(other.first).length() <= EXACT;
     }
 }
 
@@ -109,8 +108,8 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
         let gather = |directions: &mut FxHashMap<Key, Gathered>, (list, start, end): (u32, f64, f64), surface: u64| {
             if end > start {
                 let key = Key { list, kind: piece.kind as u32, bin };
-                let direction = (piece.direction * (end - start) * whole * DIRECTION_UNIT).round().as_i64vec3();
-                let gathered = Gathered { surface, parts: 1, direction, first: piece.direction, one: true };
+                let direction = (piece.direction * ((end - start) * whole)).as_vec3();
+                let gathered = Gathered { surface, parts: 1, direction, one: true };
                 directions.entry(key).and_modify(|known| known.add(&gathered)).or_insert(gathered);
             }
         };

@@ -15,12 +15,8 @@ const POINTS_A_CELL: f64 = 4.0;
 /// Lists whose error of H is looked at: those with the most fiber.
 const LOOKED_AT: usize = 16;
 
-/// Counted directions of one list cell.
-#[derive(Clone, Debug, Default)]
-struct Raw {
-    /// By kind and raw cell.
-    bins: BTreeMap<(u32, u32), Gathered>,
-}
+/// Counted directions of one list cell, in the order of their keys.
+type Raw<'a> = [(&'a Key, &'a Gathered)];
 
 /// The lists of all list cells.
 #[derive(Clone, Debug)]
@@ -59,16 +55,15 @@ pub fn make_lists(
     cone: f64,
     radius: impl Fn(usize) -> f64,
 ) -> Lists {
-    let mut raw: BTreeMap<u32, Raw> = BTreeMap::new();
-    for (key, gathered) in counted.iter().filter(|(_, gathered)| gathered.surface > 0) {
-        raw.entry(key.list).or_default().bins.insert((key.kind, key.bin), *gathered);
-    }
+    let mut sorted: Vec<(&Key, &Gathered)> = counted.iter().filter(|(_, gathered)| gathered.surface > 0).collect();
+    sorted.sort_unstable_by_key(|(key, _)| *key);
+    let raw: Vec<&Raw> = sorted.chunk_by(|(a, _), (b, _)| a.list == b.list).collect();
     let mut maker = Maker { grid, raw: raw_grid, cone, spread: FxHashMap::default(), exact: Vec::new() };
     let mut shapes: Vec<Shape> = Vec::new();
     let mut of_cell = FxHashMap::default();
     // Lists can only be alike when their largest bundles are the same.
     let mut alike: FxHashMap<(u32, Place), Vec<usize>> = FxHashMap::default();
-    for (&cell, raw) in &raw {
+    for raw in &raw {
         let shape = maker.shape(raw);
         let largest = shape.shares.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|(place, _)| *place);
         let Some(largest) = largest else { continue };
@@ -82,7 +77,7 @@ pub fn make_lists(
                 shapes.push(shape);
             }
         }
-        of_cell.insert(cell, index as u32);
+        of_cell.insert(raw[0].0.list, index as u32);
     }
     let spread_error = maker.largest_error(&raw, &of_cell, &shapes);
     let bundles = |shape: &Shape| -> Vec<Bundle> {
@@ -133,26 +128,23 @@ struct Maker {
 impl Maker {
     fn shape(&mut self, raw: &Raw) -> Shape {
         let mut shape = Shape { shares: BTreeMap::new(), surface: 0.0, parts: 0.0 };
-        let mut kinds: Vec<u32> = raw.bins.keys().map(|(kind, _)| *kind).collect();
-        kinds.dedup();
-        for kind in kinds {
-            let bins: Vec<(u32, &Gathered)> =
-                raw.bins.range((kind, 0)..=(kind, u32::MAX)).map(|((_, bin), gathered)| (*bin, gathered)).collect();
+        for bins in raw.chunk_by(|(a, _), (b, _)| a.kind == b.kind) {
+            let kind = bins[0].0.kind;
             let only = bins.first().and_then(|(_, first)| first.only());
             let same =
                 |p: &DVec3| bins.iter().all(|(_, bin)| bin.only().is_some_and(|q| q.cross(*p).length() <= EXACT));
             let only = only.filter(same);
-            for &(number, bin) in &bins {
+            for (key, bin) in bins {
                 let surface = bin.surface as f64 / SURFACE_UNIT;
                 shape.surface += surface;
-                shape.parts += bin.parts as f64;
+                shape.parts += f64::from(bin.parts);
                 match only {
                     Some(p) => {
                         let place = self.exact(p);
                         *shape.shares.entry((kind, place)).or_default() += surface;
                     }
                     None => {
-                        for (cell, share) in self.spread(number) {
+                        for (cell, share) in self.spread(key.bin) {
                             *shape.shares.entry((kind, Place::Cell(*cell))).or_default() += surface * share;
                         }
                     }
@@ -195,17 +187,17 @@ impl Maker {
     }
 
     /// Hold the lists with the most fiber against what was counted in their cells.
-    fn largest_error(&self, raw: &BTreeMap<u32, Raw>, of_cell: &FxHashMap<u32, u32>, shapes: &[Shape]) -> f64 {
-        let surface = |raw: &Raw| raw.bins.values().map(|bin| bin.surface).sum::<u64>();
-        let mut cells: Vec<(u64, u32)> = raw.iter().map(|(cell, raw)| (surface(raw), *cell)).collect();
+    fn largest_error(&self, raw: &[&Raw], of_cell: &FxHashMap<u32, u32>, shapes: &[Shape]) -> f64 {
+        let surface = |raw: &Raw| raw.iter().map(|(_, bin)| bin.surface).sum::<u64>();
+        let mut cells: Vec<(u64, usize)> = raw.iter().enumerate().map(|(cell, raw)| (surface(raw), cell)).collect();
         cells.sort_unstable_by(|a, b| b.cmp(a));
-        let error = |&(surface, cell): &(u64, u32)| {
-            let shape = &shapes[of_cell[&cell] as usize];
+        let error = |&(surface, cell): &(u64, usize)| {
+            let raw = raw[cell];
+            let shape = &shapes[of_cell[&raw[0].0.list] as usize];
             let tabulated: Vec<(Patch, f64)> =
                 shape.shares.iter().map(|((_, place), share)| (self.patch(*place), share / shape.surface)).collect();
-            let bins = raw[&cell].bins.values();
             let counted: Vec<(DVec3, f64)> =
-                bins.map(|bin| (bin.mean(), bin.surface as f64 / surface as f64)).collect();
+                raw.iter().map(|(_, bin)| (bin.mean(), bin.surface as f64 / surface as f64)).collect();
             let rays: Vec<DVec3> = cone_points(DVec3::Z, std::f64::consts::FRAC_PI_2, 256)
                 .chain(counted.iter().map(|(p, _)| *p).take(64))
                 .chain(tabulated.iter().map(|(patch, _)| direction_of(patch.centre())).take(64))

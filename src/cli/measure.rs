@@ -195,11 +195,11 @@ fn describe(
 }
 
 /// The cells of a woven cloth.
-fn woven(prepared: &Prepared, gathering: &Gathering) -> [String; 2] {
+fn woven(prepared: &Prepared, gathering: &Gathering) -> Vec<String> {
     let SpecificLength { cells, lists, .. } = &prepared.specific_length;
     let [nx, ny, nz] = cells.counts;
     let Gathering { realizations, error, volume_fraction, largest_fraction, filled, .. } = gathering;
-    [
+    let mut lines = vec![
         format!(
             "cells: {nx} × {ny} × {nz}, {} of {} hold fiber, which fills {volume_fraction:.3} of the cloth and at most \
              {largest_fraction:.2} of a cell; {} lists of directions",
@@ -208,7 +208,9 @@ fn woven(prepared: &Prepared, gathering: &Gathering) -> [String; 2] {
             grouped(lists.len() as u64)
         ),
         format!("counted: {realizations} realizations, standard error of the densities {:.1} %", 100.0 * error),
-    ]
+    ];
+    lines.extend(gathering.warning().map(|warning| format!("warning: {warning}")));
+    lines
 }
 
 impl Arguments {

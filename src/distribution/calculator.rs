@@ -27,10 +27,12 @@ const MOST: u64 = 4096;
 const CHUNK: u64 = 16;
 /// The fibers of a cloth do not depend on the seed of the walks.
 const SEED: u64 = 0;
-/// Fibers cannot fill more of a cell than this.
-const MAX_VOLUME_FRACTION: f64 = 0.9;
+/// Fibers that are laid independently overlap: of a volume fraction v they cover 1 − exp(−v), at this one 0.9.
+const MAX_VOLUME_FRACTION: f64 = 2.3;
 /// Sums of R·length, in units of the count, that a word holds with certainty.
 const MOST_UNITS: f64 = (1u64 << 62) as f64;
+/// Separate fibers cannot fill more of a cell than this.
+const MAX_SEPARATE_FRACTION: f64 = 0.9;
 /// Standard errors by which a cell must be too full to be refused: once in 3·10⁶ cells by chance.
 const SURELY: f64 = 5.0;
 
@@ -47,6 +49,19 @@ pub enum Effort {
 impl Default for Effort {
     fn default() -> Effort {
         USUAL
+    }
+}
+
+impl Gathering {
+    /// A warning when a cell holds more fiber than separate fibers can fill.
+    pub fn warning(&self) -> Option<String> {
+        let full = self.largest_fraction;
+        (full > MAX_SEPARATE_FRACTION).then(|| {
+            format!(
+                "fibers fill up to {full:.2} of a cell, more than separate fibers can ({MAX_SEPARATE_FRACTION}): they overlap \
+                 there; wider yarns or fewer fibers would mend it"
+            )
+        })
     }
 }
 
@@ -108,8 +123,8 @@ impl SpecificLength {
     /// `progress` is told the share that is done.
     ///
     /// # Errors
-    /// [`Error::Input`] when there are no pieces, or more than can be counted; when the fibers fill more than 0.9 of a cell:
-    /// it names the cell and a grid that cures it.
+    /// [`Error::Input`] when there are no pieces, or more than can be counted; when so many fibers lie in a cell
+    /// that they cover more than 0.9 of it: it names the cell and a grid that cures it.
     pub fn of_pieces(
         element: &Element,
         model: &Model,
@@ -279,6 +294,10 @@ fn volume_fractions(specific_length: &SpecificLength, radii: &[f64]) -> Vec<f64>
 
 /// The cell that is most surely too full, and its volume fraction.
 fn too_full(specific_length: &SpecificLength, sums: &Sums, radii: &[f64]) -> Option<(usize, f64)> {
+    // Of a few realizations the spread is not known.
+    if sums.realizations < FEWEST {
+        return None;
+    }
     let fractions = volume_fractions(specific_length, radii);
     let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * sums.relative_error(i));
     let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b)))?;
@@ -300,7 +319,7 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
         }
     }
     Error::Input(format!(
-        "fibers fill {fraction:.2} of cell {place:?} of {nx} × {ny} × {nz}, but at most {MAX_VOLUME_FRACTION} is possible: \
-         {cure}make the yarns wider"
+        "the fibers of cell {place:?} of {nx} × {ny} × {nz} have {fraction:.2} of its volume, allowed: {MAX_VOLUME_FRACTION} \
+         (fibers that overlap); {cure}make the yarns wider"
     ))
 }

@@ -2,9 +2,11 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod cells;
+pub mod counted;
 pub mod probes;
 pub mod sheet;
 pub mod stats;
+pub mod straight;
 pub mod tracer;
 pub mod woven;
 

@@ -136,6 +136,9 @@ fn medium(scene: &Scene, prepared: &Prepared) -> String {
             100.0 * gathering.error,
         );
     }
+    if let Some(warning) = gathering.as_ref().and_then(|gathering| gathering.warning()) {
+        let _ = writeln!(text, "warning          {warning}");
+    }
     text += &light(scene, prepared);
     let _ = writeln!(text, "tables           {:.1} MiB", tables.bytes() as f64 / f64::from(1 << 20));
     text

@@ -1,4 +1,5 @@
-//! How far the settings of the distribution calculator are from their limit: `cargo bench --bench convergence -- voile`.
+//! How far the settings of the distribution calculator are from their limit: `cargo bench --bench convergence -- voile`; a
+//! further word leaves rows out whose name does not contain it.
 //!
 //! For each preset named (all three woven ones without a name), a finest model is the reference; then one setting is
 //! changed at a time. Each row has E, the difference from the reference without the noise of the walks, and its resolution;
@@ -41,21 +42,24 @@ struct Setting {
     edge: Option<f64>,
     directions: u32,
     cone_deg: f64,
+    /// Width of a direction list in shares of the distance of two yarns, and of the thickness.
+    lists: f64,
     effort: Effort,
     /// Number of the first realization.
     first: u64,
 }
 
 fn main() -> Result<()> {
-    let named: Vec<String> = std::env::args().skip(1).collect();
+    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let part = named.iter().find(|word| !FINEST.iter().any(|(name, ..)| name == word)).map_or("", |word| word.as_str());
     let all = !FINEST.iter().any(|(name, ..)| named.iter().any(|known| known == name));
     let gpu = Gpu::open(None)?;
     println!("On {}; {WALKS} walks of each direction, exit cells {EXIT} × {EXIT} on each side.", gpu.adapter());
     for (name, edge, realizations) in FINEST {
         if all || named.iter().any(|known| known == name) {
             let effort = Effort::Realizations(realizations);
-            let finest = Setting { edge: Some(edge), directions: 4096, cone_deg: 0.0, effort, first: 0 };
-            Study::new(&gpu, name)?.print(finest)?;
+            let finest = Setting { edge: Some(edge), directions: 4096, cone_deg: 0.0, lists: 0.25, effort, first: 0 };
+            Study::new(&gpu, name)?.print(finest, part)?;
         }
     }
     Ok(())
@@ -79,7 +83,7 @@ impl<'a> Study<'a> {
         Ok(Study { gpu, name: name.into(), scene, cloth, goniometer, seed: 0 })
     }
 
-    fn print(mut self, finest: Setting) -> Result<()> {
+    fn print(mut self, finest: Setting, part: &str) -> Result<()> {
         println!("\n## {}\n\nDirections of light (θ, φ): {DIRECTIONS:?} degrees.\n", self.name);
         let (count, n) = STRAIGHT;
         let open = DIRECTIONS.map(|[theta, phi]| {
@@ -92,7 +96,7 @@ impl<'a> Study<'a> {
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
         let reference = self.row("the reference", finest, None)?;
-        for (label, setting) in rows(finest) {
+        for (label, setting) in rows(finest).into_iter().filter(|(label, _)| label.contains(part)) {
             self.row(&label, setting, Some(&reference))?;
         }
         Ok(())
@@ -106,7 +110,7 @@ impl<'a> Study<'a> {
         let weave = self.cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: self.cloth.period(), thickness: self.cloth.thickness() },
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, self.cloth.thickness()) / 4.0,
+            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, self.cloth.thickness()) * setting.lists,
             radii: &radii,
             realize: &|number| self.cloth.realize(0, setting.first + number),
         };
@@ -165,6 +169,10 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         rows.push((format!("edge {edge} R"), Setting { edge: Some(edge), ..finest }));
     }
     rows.push(("one cell".into(), Setting { edge: None, ..finest }));
+    for parts in [2.0, 4.0, 8.0, 16.0] {
+        let edge = Some(2.0);
+        rows.push((format!("lists of 1/{parts}, edge 2 R"), Setting { lists: 1.0 / parts, edge, ..finest }));
+    }
     for directions in [64, 256, 1024, 16384] {
         rows.push((format!("{directions} directions"), Setting { directions, ..finest }));
     }
@@ -180,6 +188,7 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         edge: Some(edge),
         directions,
         cone_deg,
+        lists: 0.25,
         effort: Effort::Precision(precision),
         first: 10_000,
     };

@@ -5,13 +5,11 @@ use super::clip::Clipper;
 use super::directions::DirectionGrid;
 use super::sheet::EXACT;
 use crate::cloth::Primitive;
-use glam::{DVec3, I64Vec3};
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 /// Units of R·length in a mm²: sums are integers, so they do not depend on their order.
 pub const SURFACE_UNIT: f64 = (1u64 << 32) as f64;
-/// Units of the sum of directions, weighted by R·length, in a mm².
-const DIRECTION_UNIT: f64 = (1u64 << 30) as f64;
 
 /// The grids that a calculator counts on.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +55,7 @@ pub struct Gathered {
     /// Parts of pieces.
     pub parts: u64,
     /// Σ R·length·p, p of one sign in the bin.
-    direction: I64Vec3,
+    direction: DVec3,
     /// The first direction, and whether all are the same.
     first: DVec3,
     one: bool,
@@ -66,7 +64,7 @@ pub struct Gathered {
 impl Gathered {
     /// The mean direction.
     pub fn mean(&self) -> DVec3 {
-        self.direction.as_dvec3().normalize_or(DVec3::Z)
+        if self.one { self.first } else { self.direction.normalize_or(self.first) }
     }
 
     /// The direction that all fibers share to 10⁻⁶, if they do.
@@ -74,12 +72,12 @@ impl Gathered {
         self.one.then_some(self.first)
     }
 
-    /// Take in another count.
+    /// Take in another count; always in the same order, since directions are summed in floating point.
     pub fn add(&mut self, other: &Gathered) {
         self.surface += other.surface;
         self.parts += other.parts;
         // Directions on the horizon may have come with either sign.
-        let same = self.direction.as_dvec3().dot(other.direction.as_dvec3()) >= 0.0;
+        let same = self.direction.dot(other.direction) >= 0.0;
         self.direction += if same { other.direction } else { -other.direction };
         self.one &= other.one && self.first.cross(other.first).length() <= EXACT;
     }
@@ -109,7 +107,7 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
         let gather = |directions: &mut FxHashMap<Key, Gathered>, (list, start, end): (u32, f64, f64), surface: u64| {
             if end > start {
                 let key = Key { list, kind: piece.kind as u32, bin };
-                let direction = (piece.direction * (end - start) * whole * DIRECTION_UNIT).round().as_i64vec3();
+                let direction = piece.direction * ((end - start) * whole);
                 let gathered = Gathered { surface, parts: 1, direction, first: piece.direction, one: true };
                 directions.entry(key).and_modify(|known| known.add(&gathered)).or_insert(gathered);
             }

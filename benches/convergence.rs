@@ -91,12 +91,24 @@ impl<'a> Study<'a> {
         });
         let list: Vec<String> = open.iter().map(|(share, error)| format!("{share:.4} ± {error:.4}")).collect();
         println!("Straight rays through {count} realizations that touch no fiber: {}.\n", list.join(", "));
+        self.table("One setting changed at a time", finest, rows(finest), part)?;
+        let single = Setting { edge: Some(2.0), lists: 0.0, effort: Effort::Realizations(128), ..finest };
+        self.table("Lists of directions, against those of single cells of 2 R", single, lists(), part)
+    }
+
+    /// The reference and the rows that are wanted.
+    fn table(&mut self, title: &str, finest: Setting, rows: Vec<(String, Setting)>, part: &str) -> Result<()> {
+        let rows: Vec<_> = rows.into_iter().filter(|(label, _)| label.contains(part)).collect();
+        if rows.is_empty() {
+            return Ok(());
+        }
+        println!("\n{title}:\n");
         println!(
             "| changed | cells | realizations | E % | resolution % | R | T | direct | H error % | KiB | prepare s | walks/s |"
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
         let reference = self.row("the reference", finest, None)?;
-        for (label, setting) in rows(finest).into_iter().filter(|(label, _)| label.contains(part)) {
+        for (label, setting) in rows {
             self.row(&label, setting, Some(&reference))?;
         }
         Ok(())
@@ -169,10 +181,6 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         rows.push((format!("edge {edge} R"), Setting { edge: Some(edge), ..finest }));
     }
     rows.push(("one cell".into(), Setting { edge: None, ..finest }));
-    for parts in [2.0, 4.0, 8.0, 16.0] {
-        let edge = Some(2.0);
-        rows.push((format!("lists of 1/{parts}, edge 2 R"), Setting { lists: 1.0 / parts, edge, ..finest }));
-    }
     for directions in [64, 256, 1024, 16384] {
         rows.push((format!("{directions} directions"), Setting { directions, ..finest }));
     }
@@ -203,4 +211,26 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         rows.push((label, usual(edge, directions, cone, precision)));
     }
     rows
+}
+
+/// Rows that differ in their lists of directions.
+fn lists() -> Vec<(String, Setting)> {
+    let row = |edge: f64, lists: f64, directions, precision: f64| {
+        let width = if lists > 0.0 { format!("1/{} of a yarn spacing", 1.0 / lists) } else { "one cell".into() };
+        let label = format!("lists of {width}, {edge} R, {directions} directions, {} %", 100.0 * precision);
+        let effort = Effort::Precision(precision);
+        (label, Setting { edge: Some(edge), directions, cone_deg: 0.0, lists, effort, first: 10_000 })
+    };
+    vec![
+        row(2.0, 0.25, 4096, 0.1),
+        row(2.0, 0.125, 4096, 0.1),
+        row(2.0, 0.0, 4096, 0.1),
+        row(2.0, 0.0, 1024, 0.1),
+        row(2.0, 0.0, 1024, 0.05),
+        row(2.0, 0.125, 1024, 0.1),
+        row(2.0, 0.25, 1024, 0.1),
+        row(3.0, 0.0, 1024, 0.1),
+        row(4.0, 0.0, 1024, 0.1),
+        row(4.0, 0.25, 1024, 0.05),
+    ]
 }

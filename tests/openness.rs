@@ -45,8 +45,8 @@ fn a_level_fiber_hides_its_shadow() {
         let hidden = 2.0 * RADIUS * 0.5 * m.cross(p).length() / (period.x * period.y * m.z.abs());
         println!("{p}, {m}: {:.6} ± {error:.6}, closed {hidden:.6}", 1.0 - value);
         assert!((1.0 - value - hidden).abs() < GATE * error, "{p} along {m}: {value} ± {error}, {hidden}");
-        // A radius that is 5 % larger.
-        assert!((1.0 - value - 1.05 * hidden).abs() > 2.0 * GATE * error);
+        // A radius that is a tenth larger.
+        assert!((1.0 - value - 1.1 * hidden).abs() > 2.0 * GATE * error);
     }
 }
 

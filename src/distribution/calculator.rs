@@ -14,12 +14,15 @@ use rustc_hash::FxHashMap;
 use std::f64::consts::PI;
 
 /// Edge of a cell in radii of the thinnest fiber where the file does not say.
-const EDGE: f64 = 4.0;
+const EDGE: f64 = 2.0;
+/// Largest width of a direction list in shares of the distance of two yarns and of the thickness: fibers of a twisted yarn
+/// change their direction from its one side to the other.
+const LIST_WIDTH: f64 = 1.0 / 16.0;
 /// Most cells along an axis, and in all.
 const MOST_ALONG: u32 = 256;
 const MOST_CELLS: usize = 1 << 21;
 /// The effort of a run.
-const USUAL: Effort = Effort::Precision(0.05);
+const USUAL: Effort = Effort::Precision(0.15);
 /// Fewest and most realizations.
 const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
@@ -96,8 +99,7 @@ impl SpecificLength {
         let weave = cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
-            // A quarter of the distance of two yarns.
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) / 4.0,
+            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
             realize: &|number| cloth.realize(SEED, number),
         };
@@ -169,7 +171,7 @@ fn grids(element: &Element, model: &Model) -> Grids {
     Grids { cells: element.cells, block, raw: DirectionGrid { n } }
 }
 
-/// Cells of edge 4R, fewer where that would be too many.
+/// Cells of the usual edge, fewer where that would be too many.
 fn default_counts(cloth: &Cloth) -> [u32; 3] {
     let kinds = cloth.weave().kinds();
     let radius = kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);

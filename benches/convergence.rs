@@ -1,4 +1,5 @@
-//! How far the settings of the distribution calculator are from their limit: `cargo bench --bench convergence -- voile`.
+//! How far the settings of the distribution calculator are from their limit: `cargo bench --bench convergence -- voile`; a
+//! further word leaves rows out whose name does not contain it.
 //!
 //! For each preset named (all three woven ones without a name), a finest model is the reference; then one setting is
 //! changed at a time. Each row has E, the difference from the reference without the noise of the walks, and its resolution;
@@ -41,21 +42,24 @@ struct Setting {
     edge: Option<f64>,
     directions: u32,
     cone_deg: f64,
+    /// Width of a direction list in shares of the distance of two yarns, and of the thickness.
+    lists: f64,
     effort: Effort,
     /// Number of the first realization.
     first: u64,
 }
 
 fn main() -> Result<()> {
-    let named: Vec<String> = std::env::args().skip(1).collect();
+    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let part = named.iter().find(|word| !FINEST.iter().any(|(name, ..)| name == word)).map_or("", |word| word.as_str());
     let all = !FINEST.iter().any(|(name, ..)| named.iter().any(|known| known == name));
     let gpu = Gpu::open(None)?;
     println!("On {}; {WALKS} walks of each direction, exit cells {EXIT} × {EXIT} on each side.", gpu.adapter());
     for (name, edge, realizations) in FINEST {
         if all || named.iter().any(|known| known == name) {
             let effort = Effort::Realizations(realizations);
-            let finest = Setting { edge: Some(edge), directions: 4096, cone_deg: 0.0, effort, first: 0 };
-            Study::new(&gpu, name)?.print(finest)?;
+            let finest = Setting { edge: Some(edge), directions: 4096, cone_deg: 0.0, lists: 0.25, effort, first: 0 };
+            Study::new(&gpu, name)?.print(finest, part)?;
         }
     }
     Ok(())
@@ -79,7 +83,7 @@ impl<'a> Study<'a> {
         Ok(Study { gpu, name: name.into(), scene, cloth, goniometer, seed: 0 })
     }
 
-    fn print(mut self, finest: Setting) -> Result<()> {
+    fn print(mut self, finest: Setting, part: &str) -> Result<()> {
         println!("\n## {}\n\nDirections of light (θ, φ): {DIRECTIONS:?} degrees.\n", self.name);
         let (count, n) = STRAIGHT;
         let open = DIRECTIONS.map(|[theta, phi]| {
@@ -87,12 +91,24 @@ impl<'a> Study<'a> {
         });
         let list: Vec<String> = open.iter().map(|(share, error)| format!("{share:.4} ± {error:.4}")).collect();
         println!("Straight rays through {count} realizations that touch no fiber: {}.\n", list.join(", "));
+        self.table("One setting changed at a time", finest, rows(finest), part)?;
+        let single = Setting { edge: Some(2.0), lists: 0.0, effort: Effort::Realizations(128), ..finest };
+        self.table("Lists of directions, against those of single cells of 2 R", single, lists(), part)
+    }
+
+    /// The reference and the rows that are wanted.
+    fn table(&mut self, title: &str, finest: Setting, rows: Vec<(String, Setting)>, part: &str) -> Result<()> {
+        let rows: Vec<_> = rows.into_iter().filter(|(label, _)| label.contains(part)).collect();
+        if rows.is_empty() {
+            return Ok(());
+        }
+        println!("\n{title}:\n");
         println!(
             "| changed | cells | realizations | E % | resolution % | R | T | direct | H error % | KiB | prepare s | walks/s |"
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
         let reference = self.row("the reference", finest, None)?;
-        for (label, setting) in rows(finest) {
+        for (label, setting) in rows {
             self.row(&label, setting, Some(&reference))?;
         }
         Ok(())
@@ -106,7 +122,7 @@ impl<'a> Study<'a> {
         let weave = self.cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: self.cloth.period(), thickness: self.cloth.thickness() },
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, self.cloth.thickness()) / 4.0,
+            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, self.cloth.thickness()) * setting.lists,
             radii: &radii,
             realize: &|number| self.cloth.realize(0, setting.first + number),
         };
@@ -180,6 +196,7 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         edge: Some(edge),
         directions,
         cone_deg,
+        lists: 0.25,
         effort: Effort::Precision(precision),
         first: 10_000,
     };
@@ -194,4 +211,26 @@ fn rows(finest: Setting) -> Vec<(String, Setting)> {
         rows.push((label, usual(edge, directions, cone, precision)));
     }
     rows
+}
+
+/// Rows that differ in their lists of directions.
+fn lists() -> Vec<(String, Setting)> {
+    let row = |edge: f64, lists: f64, directions, precision: f64| {
+        let width = if lists > 0.0 { format!("1/{} of a yarn spacing", 1.0 / lists) } else { "one cell".into() };
+        let label = format!("lists of {width}, {edge} R, {directions} directions, {} %", 100.0 * precision);
+        let effort = Effort::Precision(precision);
+        (label, Setting { edge: Some(edge), directions, cone_deg: 0.0, lists, effort, first: 10_000 })
+    };
+    vec![
+        row(2.0, 0.25, 4096, 0.1),
+        row(2.0, 0.125, 4096, 0.1),
+        row(2.0, 0.0, 4096, 0.1),
+        row(2.0, 0.0, 1024, 0.1),
+        row(2.0, 0.0, 1024, 0.05),
+        row(2.0, 0.125, 1024, 0.1),
+        row(2.0, 0.25, 1024, 0.1),
+        row(3.0, 0.0, 1024, 0.1),
+        row(4.0, 0.0, 1024, 0.1),
+        row(4.0, 0.25, 1024, 0.05),
+    ]
 }

@@ -14,12 +14,17 @@ use rustc_hash::FxHashMap;
 use std::f64::consts::PI;
 
 /// Edge of a cell in radii of the thinnest fiber where the file does not say.
-const EDGE: f64 = 4.0;
+const EDGE: f64 = 2.0;
+/// Largest width of a direction list in shares of the distance of two yarns and of the thickness: fibers of a twisted yarn
+/// change their direction from its one side to the other.
+const LIST_WIDTH: f64 = 1.0 / 16.0;
 /// Most cells along an axis, and in all.
 const MOST_ALONG: u32 = 256;
-const MOST_CELLS: usize = 1 << 21;
+const MOST_CELLS: usize = 1 << 18;
+/// Most cells of the grid of lists: more take more memory than they are worth.
+const MOST_LISTS: usize = 1 << 15;
 /// The effort of a run.
-const USUAL: Effort = Effort::Precision(0.05);
+const USUAL: Effort = Effort::Precision(0.15);
 /// Fewest and most realizations.
 const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
@@ -111,8 +116,7 @@ impl SpecificLength {
         let weave = cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
-            // A quarter of the distance of two yarns.
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) / 4.0,
+            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
             realize: &|number| cloth.realize(SEED, number),
         };
@@ -181,12 +185,20 @@ fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl F
 fn grids(element: &Element, model: &Model) -> Grids {
     let edges = element.cells.edges();
     let block = [0, 1, 2].map(|axis| ((element.list_width[axis] / edges[axis]) as u32).clamp(1, 4));
-    // Count directions four times as finely as they are tabulated.
-    let n = (4 * model.directions.isqrt()).clamp(128, 1024);
-    Grids { cells: element.cells, block, raw: DirectionGrid { n } }
+    // Count directions twice as finely as they are tabulated.
+    let n = (2 * model.directions.isqrt()).clamp(64, 512);
+    let mut grids = Grids { cells: element.cells, block, raw: DirectionGrid { n } };
+    let lists = |grids: &Grids| grids.list_counts().iter().map(|count| *count as usize).product::<usize>();
+    while lists(&grids) > MOST_LISTS {
+        // Widen the lists where they are narrowest.
+        let width = |axis: usize| f64::from(grids.block[axis]) * edges[axis] / element.list_width[axis];
+        let axis = (0..3).min_by(|a, b| width(*a).total_cmp(&width(*b))).unwrap_or_default();
+        grids.block[axis] += 1;
+    }
+    grids
 }
 
-/// Cells of edge 4R, fewer where that would be too many.
+/// Cells of the usual edge, fewer where that would be too many.
 fn default_counts(cloth: &Cloth) -> [u32; 3] {
     let kinds = cloth.weave().kinds();
     let radius = kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);

@@ -5,7 +5,7 @@ use super::clip::Clipper;
 use super::directions::DirectionGrid;
 use super::sheet::EXACT;
 use crate::cloth::Primitive;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 /// Units of R·length in a mm²: sums are integers, so they do not depend on their order.
@@ -55,7 +55,7 @@ pub struct Gathered {
     /// Parts of pieces.
     pub parts: u32,
     /// Σ R·length·p in mm², p of one sign in the bin. Realizations are added in their order, so floats do.
-    direction: Vec3,
+    direction: DVec3,
     /// Whether all directions are the same.
     one: bool,
 }
@@ -63,7 +63,7 @@ pub struct Gathered {
 impl Gathered {
     /// The mean direction.
     pub fn mean(&self) -> DVec3 {
-        self.direction.as_dvec3().normalize_or(DVec3::Z)
+        self.direction.normalize_or(DVec3::Z)
     }
 
     /// The direction that all fibers share to 10⁻⁶, if they do.
@@ -71,13 +71,13 @@ impl Gathered {
         self.one.then(|| self.mean())
     }
 
-    /// Take in another count.
+    /// Take in another count; always in the same order, since directions are summed in floating point.
     pub fn add(&mut self, other: &Gathered) {
         self.surface += other.surface;
         self.parts += other.parts;
         let across =
             self.direction.cross(other.direction).length() / (self.direction.length() * other.direction.length());
-        self.one &= other.one && f64::from(across) <= EXACT;
+        self.one &= other.one && across <= EXACT;
         // Directions on the horizon may have come with either sign.
         let same = self.direction.dot(other.direction) >= 0.0;
         self.direction += if same { other.direction } else { -other.direction };
@@ -108,7 +108,7 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
         let gather = |directions: &mut FxHashMap<Key, Gathered>, (list, start, end): (u32, f64, f64), surface: u64| {
             if end > start {
                 let key = Key { list, kind: piece.kind as u32, bin };
-                let direction = (piece.direction * ((end - start) * whole)).as_vec3();
+                let direction = piece.direction * ((end - start) * whole);
                 let gathered = Gathered { surface, parts: 1, direction, one: true };
                 directions.entry(key).and_modify(|known| known.add(&gathered)).or_insert(gathered);
             }

@@ -12,11 +12,12 @@
 //!   entries of their own, with no smear.
 //! - Fibers are cut at the faces of cells, where the paper gives a whole primitive to the cell of its centre: no length is
 //!   misplaced, whatever the size of cells. Lengths are summed in integers, so they do not depend on the order of the work.
-//! - f is the mean over random realizations, as many as bring the standard error of the densities to 5 %.
-//! - Densities lie on a fine grid and lists of directions on a coarser one, never wider than a quarter of the distance of
+//! - f is the mean over random realizations, as many as bring the standard error of the densities of cells to 15 %.
+//! - Densities lie on a fine grid and lists of directions on a coarser one, never wider than a sixteenth of the distance of
 //!   two yarns. Cells share a list where lists differ by less than their sampling error.
 //! - Directions are counted on a grid four times finer than the one they are tabulated on; the cone of the paper is laid
 //!   around what was counted. Fibers of a cell that share one direction to 10⁻⁶ keep it exactly.
+//! - Of fibers that lie independently as many may overlap as cover 0.9 of a cell; more are refused.
 //! - Fiber and direction are drawn together from one table, so kinds of fiber may share a direction.
 
 mod calculator;

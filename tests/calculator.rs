@@ -167,9 +167,7 @@ fn symmetry_z(a: &[Vec<Vec<f64>>; 2], b: &[Vec<Vec<f64>>; 2]) -> [f64; 2] {
 fn a_turned_cloth_has_turned_tables() {
     // By a quarter counter-clockwise: (x, y) becomes (−y, x). Ends become picks, and the draft its complement.
     let twill = |width_um: f64| {
-        let yarns = vec![yarn(), Yarn::new(16, 260.0, 160.0, "ply_twist_per_m = -300")];
-        let weft = Yarn { width_um, ..yarns[1].clone() };
-        let yarns = vec![yarns[0].clone(), weft];
+        let yarns = vec![yarn(), Yarn::new(16, width_um, 160.0, "ply_twist_per_m = -300")];
         Woven {
             yarns,
             weft: vec![1],

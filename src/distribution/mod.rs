@@ -15,7 +15,7 @@
 //! - f is the mean over random realizations, as many as bring the standard error of the densities of cells to 15 %.
 //! - Densities lie on a fine grid and lists of directions on a coarser one, never wider than a sixteenth of the distance of
 //!   two yarns. Cells share a list where lists differ by less than their sampling error.
-//! - Directions are counted on a grid four times finer than the one they are tabulated on; the cone of the paper is laid
+//! - Directions are counted on a grid twice as fine as the one they are tabulated on; the cone of the paper is laid
 //!   around what was counted. Fibers of a cell that share one direction to 10⁻⁶ keep it exactly.
 //! - Of fibers that lie independently as many may overlap as cover 0.9 of a cell; more are refused.
 //! - Fiber and direction are drawn together from one table, so kinds of fiber may share a direction.

@@ -92,7 +92,7 @@ struct Lane {
     next_reach: u32,
     /// Optical depth that is left of a flight by the table of H; negative when the next flight sets out.
     depth_left: f32,
-    /// Fibers refused at the collision, and one more once it is reached.
+    /// Fibers refused at the collision so far; none on the way to it.
     refused: u32,
     spare: vec2u,
 }

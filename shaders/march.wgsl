@@ -51,13 +51,17 @@ fn block_ahead(place: vec3f, speed: vec3f) -> Block {
     let forwards = speed > vec3f(0.0);
     let here = select(ceil(place) - 1.0, floor(place), forwards | (speed == vec3f(0.0)));
     let repeat = P.counts.xy;
-    let wrapped = min(max(here.xy - repeat * floor(here.xy / repeat), vec2f(0.0)), repeat - 1.0);
+    // A quotient may be rounded across a whole number: then it is one repeat too far.
+    let about = here.xy - repeat * floor(here.xy / repeat);
+    let wrapped = about + select(vec2f(0.0), repeat, about < vec2f(0.0)) - select(vec2f(0.0), repeat, about >= repeat);
     let cell = vec3f(wrapped, clamp(here.z, 0.0, P.counts.z - 1.0));
     let inside = vec3f(place.xy + (wrapped - here.xy), place.z);
     let entry = cell_entry(cell);
     let across = max(f32(i32(entry.w & 0xffffu)), 1.0);
     let reach = vec3f(across, across, max(f32(i32(entry.w >> 16u)), 1.0));
-    let face = select(cell + 1.0 - reach, cell + reach, forwards);
+    let block = select(cell + 1.0 - reach, cell + reach, forwards);
+    // Beyond its faces there is no cloth.
+    let face = vec3f(block.xy, clamp(block.z, 0.0, P.counts.z));
     // A ray that stands still along an axis never comes to a face of it.
     let still = abs(speed) < vec3f(1e-12);
     let times = select(max((face - inside) / select(speed, vec3f(1.0), still), vec3f(0.0)), vec3f(3e38), still);
@@ -74,20 +78,22 @@ fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, word: u32) -> Site
         let block = block_ahead(vec3f(across, ray.w), speed);
         // mean_free_path is that of the majorant.
         let rate = block.share * visible_area(block.list, m) / P.mean_free_path;
-        let free = depth / max(rate, 1e-30);
+        // There is no collision in an empty cell, even where no depth is left.
+        let free = select(3e38, depth / max(rate, 1e-30), block.share > 0.0);
         let hit = arrived || free < block.time;
         let on_face = select(block.place + speed * block.time, block.face, block.times <= vec3f(block.time));
         let flown = select(on_face, block.place + speed * free, free < block.time);
         let place = select(flown, block.place, arrived);
-        let out = !hit && select(place.z <= 0.0, place.z >= P.counts.z, m.z > 0.0);
+        // A place that is no number is outside.
+        let inside = hit || select(place.z > 0.0, P.counts.z > place.z, m.z > 0.0);
         let rest = max(depth - rate * block.time, 0.0);
-        return Site(place.z, place.xy, !out, hit, 1.0, block.list, 0u, select(rest, depth, hit));
+        return Site(place.z, place.xy, inside, hit, 1.0, block.list, 0u, select(rest, depth, hit));
     }
     let rate = visible_area(0u, m) / P.mean_free_path;
     let still = abs(m.z) < 1e-12;
     let time = select((select(-P.thickness, 0.0, m.z > 0.0) - ray.w) / select(m.z, 1.0, still), 3e38, still);
     let free = depth / max(rate, 1e-30);
     let hit = arrived || free < time;
-    let z = select(ray.w + m.z * free, ray.w, arrived);
+    let z = select(clamp(ray.w + m.z * free, -P.thickness, 0.0), ray.w, arrived);
     return Site(z, vec2f(0.0), hit, hit, 1.0, 0u, 0u, depth);
 }

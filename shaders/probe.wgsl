@@ -1,5 +1,5 @@
 // One entry point for each function, for tests: numbered input words, one output record.
-// uses: layout, rng, concentric, cells, medium, cylinder, goniometer
+// uses: layout, rng, concentric, cells, medium, march, cylinder, goniometer
 
 /// Inputs of one call.
 struct ProbeInput {
@@ -80,4 +80,24 @@ fn probe_skip_empty(@builtin(global_invocation_id) call: vec3u) {
     let speed = bitcast<vec3f>(probe_inputs[call.x].b.xyz) * P.per_edge.xyz;
     let there = skip_empty(place, cell_entry(cell_of(place)).w, speed);
     probe_outputs[call.x] = vec4u(bitcast<vec3u>(there), 0u);
+}
+
+/// a.xyz = m (f32), b.x = list: first entry and index bits.
+@compute @workgroup_size(64)
+fn probe_visible_area(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let input = probe_inputs[call.x];
+    let area = visible_area(input.b.x, bitcast<vec3f>(input.a.xyz));
+    probe_outputs[call.x] = vec4u(bitcast<u32>(area), 0u, 0u, 0u);
+}
+
+/// a.xyz = place in edges of a cell, b.xyz = m (all f32); gives the place in the repeat and the time to the face, or with
+/// c.x = 1 the face and the list.
+@compute @workgroup_size(64)
+fn probe_block_ahead(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let input = probe_inputs[call.x];
+    let block = block_ahead(bitcast<vec3f>(input.a.xyz), bitcast<vec3f>(input.b.xyz) * P.per_edge.xyz);
+    let face = vec4u(bitcast<vec3u>(block.face), block.list);
+    probe_outputs[call.x] = select(bitcast<vec4u>(vec4f(block.place, block.time)), face, input.c.x == 1u);
 }

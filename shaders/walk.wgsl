@@ -83,7 +83,7 @@ fn step(lane: ptr<function, Lane>) {
     if VISIBLE_N > 0u {
         // Where all fibers are nearly parallel to the ray, the table's H is its error: give the collision up.
         let refused = select(0u, (*lane).refused + 1u, site.arrived);
-        let done = hit || refused > MOST_REFUSALS;
+        let done = hit || refused >= MOST_REFUSALS;
         (*lane).refused = select((*lane).refused, select(refused, 0u, done), walking);
         (*lane).depth_left = select((*lane).depth_left, select(site.depth, -1.0, done), walking);
     }

@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::cells::{CellCloth, list_of};
-use common::{Cloth, ISOTROPIC, Kind, PLANAR, SplitMix, aligned, assert_ran, gpu, rgb};
+use common::cells::{CellCloth, random_cells};
+use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
@@ -102,35 +102,6 @@ fn a_bent_index_differs_in_one_walk_of_ten() {
     assert!(differing.iter().filter(|tie| **tie > NEAR).count() > 100, "all of them were near a decision");
 }
 
-/// Cells at random: seven of ten empty, in clumps, densities over a factor of 10, two kinds that absorb, three lists.
-fn random_cells(seed: u64) -> CellCloth {
-    let mut random = SplitMix(seed);
-    let second = Kind {
-        radius_um: 6.0,
-        ior: 1.33,
-        absorption: rgb([0.5, 3.0, 9.0]),
-        length_density: 40.0,
-        orientation: aligned([0.1, 0.9, 0.2]),
-    };
-    let base = Cloth {
-        absorption: rgb([2.0, 1.0, 0.2]),
-        sides: "[\"front\", \"back\"]".into(),
-        ..Cloth::new(60.0, ISOTROPIC)
-    };
-    let mixed = Cloth { more_kinds: vec![second], ..base.clone() }.lit_from("[[12, 10], [47, 100], [83, -130]]");
-    let lists = [ISOTROPIC.to_owned(), PLANAR.to_owned(), aligned([0.6, 0.0, 0.8])]
-        .map(|orientation| list_of(&Cloth { fibers: vec![(60.0, orientation)], ..mixed.clone() }));
-    let mut cells = CellCloth::new(mixed, [9, 7, 6], [1.3, 0.9], |_| 0.0);
-    let clumps: Vec<[u32; 3]> = (0..9).map(|_| [9, 7, 6].map(|count: u64| (random.word() % count) as u32)).collect();
-    for (index, place) in cells.grid().places().enumerate() {
-        let near = clumps.iter().any(|clump| (0..3).all(|axis| clump[axis].abs_diff(place[axis]) <= 1));
-        if near && random.uniform() < 0.8 {
-            cells.cells[index] = (0.5 + 4.5 * random.uniform(), (random.word() % 3) as u32);
-        }
-    }
-    CellCloth { lists: lists.to_vec(), ..cells }
-}
-
 #[test]
 fn walks_through_cells_agree() {
     for seed in [1, 2] {
@@ -156,6 +127,44 @@ fn a_cell_that_is_one_percent_denser_is_noticed() {
     let mut bent = cells.clone();
     bent.cells.iter_mut().filter(|cell| cell.0 > 0.0).step_by(10).for_each(|cell| cell.0 *= 1.01);
     let Comparison { walks, differing, .. } = compare(cells.prepare(), bent.prepare(), 20_000);
+    let far = differing.iter().filter(|tie| **tie > NEAR).count();
+    println!("{far} of {walks} walks differ far from a decision");
+    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+}
+
+/// The same cells, tracked by tables.
+fn tabulated(cells: CellCloth) -> CellCloth {
+    CellCloth { base: cells.base.tabulated(), ..cells }
+}
+
+#[test]
+fn walks_by_tables_agree_in_sheets() {
+    check(&Cloth::isotropic(0.5).tabulated(), 4096, 1e-4);
+    check(&Cloth::isotropic(4.0).tabulated(), 2048, 2e-4);
+    let fibers = vec![(60.0, ISOTROPIC.to_owned()), (60.0, PLANAR.to_owned()), (60.0, aligned([0.48, -0.6, 0.64]))];
+    let cloth = Cloth { fibers, ..Cloth::isotropic(1.0) }.lit_from("[[12, 10], [47, 100], [71, -130]]");
+    check(&cloth.tabulated(), 40_000, 2e-4);
+}
+
+#[test]
+fn walks_by_tables_agree_in_cells() {
+    for seed in [1, 2] {
+        check_setup(tabulated(random_cells(seed)).prepare(), 20_000, 3e-4);
+    }
+    let base = Cloth::isotropic(1.0).lit_from("[[20, 40], [60, 15], [75, -70]]");
+    let layers = CellCloth::new(base, [3, 2, 6], [0.8, 0.3], |[x, _, z]| {
+        [0.0, 3.0, 0.0, 0.0, 1.0, 0.0][z as usize] * (1.0 + f64::from(x))
+    });
+    check_setup(tabulated(layers).prepare(), 40_000, 3e-4);
+}
+
+#[test]
+fn a_table_that_is_one_thousandth_too_high_is_noticed() {
+    let cells = tabulated(random_cells(1)).prepare();
+    let mut bent = cells.clone();
+    let visible = bent.0.visible.as_mut().expect("the cells are tracked by tables");
+    visible.nodes.iter_mut().for_each(|node| *node *= 1.001);
+    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
     let far = differing.iter().filter(|tie| **tie > NEAR).count();
     println!("{far} of {walks} walks differ far from a decision");
     assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");

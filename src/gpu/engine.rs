@@ -157,6 +157,7 @@ impl<'a> Run<'a> {
         trace: bool,
     ) -> Result<Run<'a>> {
         settings.check()?;
+        plan.check(tables)?;
         let large = |entries: usize| entries > UNIFORM_ENTRIES as usize;
         let cells = tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
         let hardware = gpu.kind() == Kind::Hardware;

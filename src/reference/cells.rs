@@ -51,7 +51,8 @@ impl Station {
             let coordinate = coordinate(grid, self.place, axis);
             // The coordinate of a face is a whole number up to rounding.
             let nearest = coordinate.round();
-            let here = if (coordinate - nearest).abs() > 1e-12 * (1.0 + nearest.abs()) {
+            let on_face = (coordinate - nearest).abs() <= 1e-12 * (1.0 + nearest.abs());
+            let here = if !on_face {
                 coordinate.floor()
             } else if m[axis] < 0.0 {
                 nearest - 1.0
@@ -60,24 +61,38 @@ impl Station {
             };
             let count = f64::from(grid.counts[axis]);
             let cell = if axis == 2 { here.clamp(0.0, count - 1.0) } else { here.rem_euclid(count) };
-            // Follow the cell into the repeat.
-            if axis < 2 && cell != here {
+            // Follow the cell into the repeat; a face stays a face.
+            if axis < 2 && on_face {
+                self.place[axis] = (cell + nearest - here) * grid.edges()[axis];
+            } else if axis < 2 && cell != here {
                 self.place[axis] += (cell - here) * grid.edges()[axis];
             }
             cell as u32
         })
     }
 
-    /// The face through which a ray leaves the block of cells that lie less than `reach` from a cell.
+    /// The face through which a ray leaves the block of cells that lie less than `reach` from a cell, or the cloth.
     pub fn face_ahead(&self, grid: &CellGrid, cell: [u32; 3], reach: [i64; 3], m: DVec3) -> Face {
         let face = |axis: usize| {
             let beyond = i64::from(cell[axis]) + if m[axis] > 0.0 { reach[axis] } else { 1 - reach[axis] };
+            // Beyond its faces there is no cloth.
+            let beyond = if axis == 2 { beyond.clamp(0, i64::from(grid.counts[2])) } else { beyond };
             let at = beyond as f64 * grid.edges()[axis] - if axis == 2 { grid.thickness } else { 0.0 };
             Face { axis, at, path: ((at - self.place[axis]) / m[axis]).max(0.0) }
         };
         let ahead = [0, 1, 2].into_iter().filter(|axis| m[*axis] != 0.0).map(face);
         let none = Face { axis: 0, at: self.place.x, path: f64::INFINITY };
         ahead.min_by(|a, b| a.path.total_cmp(&b.path)).unwrap_or(none)
+    }
+
+    /// Distance to the nearest face that does not stand across an axis, on the scale of the place's error.
+    pub fn distance_beside(&self, grid: &CellGrid, axis: usize) -> f64 {
+        let distance = |other: usize| {
+            let coordinate = coordinate(grid, self.place, other);
+            (coordinate - coordinate.round()).abs() * grid.edges()[other]
+        };
+        let others = (0..3).filter(|other| *other != axis);
+        others.map(distance).fold(f64::INFINITY, f64::min) / self.blur
     }
 
     /// Go to a face; whether it is that of the cloth.

@@ -31,6 +31,7 @@ impl Engine for Reference {
         plan: &WalkPlan,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally> {
+        plan.check(tables)?;
         let origin = Origin { engine: "cpu".into(), adapter: "f64".into(), seed: plan.seed };
         let starts = goniometer.starts();
         let channels = tables.absorbing().then(|| tables.channels());

@@ -15,7 +15,9 @@ pub struct Flight {
     pub station: Station,
     /// Optical depth that is left until the collision; none before a flight sets out.
     depth: Option<f64>,
-    /// Fibers that were refused at the collision so far, and one more once it is reached.
+    /// Largest rate of collisions that this flight has met, in 1/mm.
+    densest: f64,
+    /// Fibers that were refused at the collision so far; none on the way to it.
     refused: u32,
 }
 
@@ -33,7 +35,7 @@ pub enum Event {
 impl Flight {
     /// A walk that sets out from a station.
     pub fn new(station: Station) -> Flight {
-        Flight { station, depth: None, refused: 0 }
+        Flight { station, depth: None, densest: 0.0, refused: 0 }
     }
 
     /// Fly on through one event.
@@ -55,8 +57,8 @@ impl Flight {
     pub fn drawn(&mut self, hit: bool) {
         self.refused += 1;
         // Where all fibers are nearly parallel to the ray, the table's H is its error: give the collision up.
-        if hit || self.refused > MOST_REFUSALS {
-            (self.depth, self.refused) = (None, 0);
+        if hit || self.refused >= MOST_REFUSALS {
+            (self.depth, self.densest, self.refused) = (None, 0.0, 0);
         }
     }
 
@@ -101,7 +103,8 @@ impl Flight {
     ) -> Event {
         let cell = self.station.cell_ahead(grid, m);
         let (share, list, reach) = match &tables.cells {
-            None => (1.0, 0, [1; 3]),
+            // A sheet has no faces across x and y.
+            None => (1.0, 0, [i64::from(u32::MAX), i64::from(u32::MAX), 1]),
             Some(cells) => {
                 let entry = &cells.entries[grid.index(cell)];
                 let across = i64::from(entry.reach.across.max(1));
@@ -110,20 +113,30 @@ impl Flight {
         };
         if self.refused == 0 {
             if self.depth.is_none() && tables.cells.is_some() {
-                witness.decide(|| self.station.face_distance(grid));
+                witness.decide(|| self.station.face_distance(grid).min(self.station.distance_beside(grid, 2)));
             }
             let depth = *self.depth.get_or_insert(draws.free_path);
             let rate = tables.majorant * share * visible.look_up(list, m);
+            self.densest = self.densest.max(rate);
             let face = self.station.face_ahead(grid, cell, reach, m);
-            let free = depth / rate;
-            witness.decide(|| (free - face.path).abs() / self.station.blur);
+            // There is no collision in an empty cell, even where no depth is left.
+            let free = if rate > 0.0 { depth / rate } else { f64::INFINITY };
+            if share > 0.0 {
+                witness.decide(|| (free - face.path) * m[face.axis] / self.station.blur);
+                witness.decide(|| depth - rate * face.path);
+            }
             if free >= face.path {
-                self.depth = Some(depth - rate * face.path);
+                self.depth = Some((depth - rate * face.path).max(0.0));
                 let out = self.station.pass(grid, m, &face);
+                if tables.cells.is_some() {
+                    witness.decide(|| self.station.distance_beside(grid, face.axis));
+                }
                 return if out { Event::Left } else { Event::Passed };
             }
             self.station.place += m * free;
-            self.station.blur = self.station.blur.max(free);
+            // An error of the place is one of the depth where fibers are dense, and a larger one of the place where they are
+            // sparse.
+            self.station.blur = (self.station.blur.max(free) * self.densest / rate).max(1.0 / rate);
         }
         Event::Fiber { share: 1.0, list }
     }

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::scene::{Scene, Tracking};
 
 /// Most cells, and most entries of all lists together: their numbers are exact in f32 and fit into 24 bits.
-const MOST: usize = 1 << 23;
+pub(super) const MOST: usize = 1 << 23;
 
 /// A kind of fiber, as the engines see it.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl SamplingTables {
         }
         tables.kinds = kinds;
         if scene.model.tracking == Tracking::Tabulated {
-            tables.visible = Some(VisibleArea::new(&tables));
+            tables.visible = Some(VisibleArea::new(&tables)?);
         }
         Ok(tables)
     }

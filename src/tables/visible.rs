@@ -1,8 +1,9 @@
 //! The specific visible area by direction of the ray (paper §3), for tracking by tables.
 
-use super::sampling::SamplingTables;
+use super::sampling::{MOST, SamplingTables};
 use crate::concentric::Patch;
 use crate::distribution::direction_of;
+use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -26,26 +27,37 @@ pub struct VisibleArea {
 }
 
 impl VisibleArea {
-    /// Tabulate the lists of a medium; `jitter` as in [`WalkPlan`](crate::walk::WalkPlan).
-    pub fn new(tables: &SamplingTables) -> VisibleArea {
+    /// Tabulate the lists of a medium, whose directions fill their patches.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when engines cannot number so many entries.
+    pub fn new(tables: &SamplingTables) -> Result<VisibleArea> {
         let count = tables.lists.len();
         let n: u32 = match count {
             0..=16 => 64,
             17..=4096 => 32,
             _ => 16,
         };
-        let exact: Vec<Exact> = (0..count).map(|list| Exact::new(tables, list)).collect();
+        if tables.patches.len() + count * (n * n) as usize > MOST {
+            return Err(Error::Input(format!(
+                "tables of H(m) for {count} lists of directions take more than {MOST} entries; take fewer cells, or \
+                 `tracking = \"null-collision\"`"
+            )));
+        }
         let edge = n + 1;
-        let nodes = (0..count * (edge * edge) as usize).into_par_iter().map(|index| {
-            let (list, node) = (index / (edge * edge) as usize, index as u32 % (edge * edge));
-            let square = DVec2::new(f64::from(node % edge), f64::from(node / edge)) / f64::from(n);
-            exact[list].at(from_square(square)) as f32
+        let nodes = (0..count).into_par_iter().flat_map(|list| {
+            let exact = Exact::new(tables, list);
+            (0..edge * edge).into_par_iter().map(move |node| {
+                let square = DVec2::new(f64::from(node % edge), f64::from(node / edge)) / f64::from(n);
+                exact.at(from_square(square)) as f32
+            })
         });
         let mut visible = VisibleArea { n, nodes: nodes.collect(), error: 0.0 };
         let step = count.div_ceil(LISTS);
-        let errors = (0..count).into_par_iter().step_by(step).map(|list| visible.error_of(list, &exact[list]));
+        let errors = (0..count).into_par_iter().step_by(step);
+        let errors = errors.map(|list| visible.error_of(list, &Exact::new(tables, list)));
         visible.error = errors.reduce(|| 0.0, f64::max);
-        visible
+        Ok(visible)
     }
 
     /// ⟨|m × p|⟩ of a list, looked up.
@@ -69,10 +81,12 @@ impl VisibleArea {
     fn error_of(&self, list: usize, exact: &Exact) -> f64 {
         let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
         for ray in 0..RAYS {
-            // Half of the rays lie near the fibers, where the table is worst.
-            let m = match ray % 2 {
-                0 => from_square(DVec2::new(fraction(ray, 0.754_877_666), fraction(ray, 0.569_840_291))),
-                _ => exact.near(fraction(ray, 0.754_877_666), fraction(ray, 0.569_840_291), ray),
+            let [a, b] = [fraction(ray, 0.754_877_666), fraction(ray, 0.569_840_291)];
+            // Half of the rays lie near the fibers or along them, where the table is worst.
+            let m = match ray % 4 {
+                0 | 2 => from_square(DVec2::new(a, b)),
+                1 => exact.near(a, b, ray),
+                _ => exact.near(0.5, 0.5, ray),
             };
             let truth = exact.at(m);
             worst = worst.max((self.look_up(list as u32, m) - truth).abs());

@@ -1,6 +1,6 @@
 //! The plan of a run and the interface of an engine.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Tally};
 use crate::tables::SamplingTables;
 
@@ -35,6 +35,18 @@ impl WalkPlan {
     /// A plan with the usual settings.
     pub fn new(seed: u64, walks_per_incident: u64) -> WalkPlan {
         WalkPlan { seed, first: 0, walks_per_incident, jitter: true, max_events: MAX_EVENTS, roulette: true }
+    }
+
+    /// Refuse a plan that the tables of a medium are not made for.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when directions are to sit in the middle of patches over which H(m) was averaged.
+    pub fn check(&self, tables: &SamplingTables) -> Result<()> {
+        if !self.jitter && tables.visible.is_some() {
+            let message = "tracking by tables draws directions inside their patches; leave jitter on";
+            return Err(Error::Input(message.into()));
+        }
+        Ok(())
     }
 
     /// The numbers i of the walks of each start.

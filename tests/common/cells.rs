@@ -1,6 +1,6 @@
 //! Cloths of cells, put together by hand.
 
-use super::Cloth;
+use super::{Cloth, ISOTROPIC, Kind, PLANAR, SplitMix, aligned, rgb};
 use fiberwalk::distribution::{Bundle, Cell, CellGrid, DirectionGrid, SpecificLength, surface};
 use fiberwalk::goniometer::{Goniometer, Tally};
 use fiberwalk::measure::{Prepared, prepare};
@@ -72,4 +72,33 @@ impl CellCloth {
         assert_eq!(tally.origin().seed, plan.seed);
         tally
     }
+}
+
+/// Cells at random: seven of ten empty, in clumps, densities over a factor of 10, two kinds that absorb, three lists.
+pub fn random_cells(seed: u64) -> CellCloth {
+    let mut random = SplitMix(seed);
+    let second = Kind {
+        radius_um: 6.0,
+        ior: 1.33,
+        absorption: rgb([0.5, 3.0, 9.0]),
+        length_density: 40.0,
+        orientation: aligned([0.1, 0.9, 0.2]),
+    };
+    let base = Cloth {
+        absorption: rgb([2.0, 1.0, 0.2]),
+        sides: "[\"front\", \"back\"]".into(),
+        ..Cloth::new(60.0, ISOTROPIC)
+    };
+    let mixed = Cloth { more_kinds: vec![second], ..base.clone() }.lit_from("[[12, 10], [47, 100], [83, -130]]");
+    let lists = [ISOTROPIC.to_owned(), PLANAR.to_owned(), aligned([0.6, 0.0, 0.8])]
+        .map(|orientation| list_of(&Cloth { fibers: vec![(60.0, orientation)], ..mixed.clone() }));
+    let mut cells = CellCloth::new(mixed, [9, 7, 6], [1.3, 0.9], |_| 0.0);
+    let clumps: Vec<[u32; 3]> = (0..9).map(|_| [9, 7, 6].map(|count: u64| (random.word() % count) as u32)).collect();
+    for (index, place) in cells.grid().places().enumerate() {
+        let near = clumps.iter().any(|clump| (0..3).all(|axis| clump[axis].abs_diff(place[axis]) <= 1));
+        if near && random.uniform() < 0.8 {
+            cells.cells[index] = (0.5 + 4.5 * random.uniform(), (random.word() % 3) as u32);
+        }
+    }
+    CellCloth { lists: lists.to_vec(), ..cells }
 }

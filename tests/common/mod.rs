@@ -56,6 +56,7 @@ pub struct Cloth {
     /// Length density in mm/mm³ and the rest of a `[[sheet.fibers]]`.
     pub fibers: Vec<(f64, String)>,
     pub directions: u32,
+    pub tracking: &'static str,
     pub incident: String,
     pub exit: u32,
 }
@@ -85,6 +86,7 @@ impl Cloth {
             thickness_um: 1000.0,
             fibers: vec![(length_density, orientation.into())],
             directions: 1024,
+            tracking: "null-collision",
             incident: "8".into(),
             exit: 16,
         }
@@ -99,9 +101,15 @@ impl Cloth {
         Cloth { incident: incident.into(), ..self }
     }
 
+    /// The same sheet, tracked by tables.
+    pub fn tabulated(self) -> Cloth {
+        Cloth { tracking: "tabulated", ..self }
+    }
+
     /// The file's text.
     pub fn toml(&self) -> String {
-        let Cloth { radius_um, ior, absorption, thickness_um, directions, incident, exit, sides, .. } = self;
+        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, incident, exit, sides, .. } =
+            self;
         let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
             format!("[fiber.{name}]\nradius_um = {radius}\nior = {ior}\nabsorption_per_mm = {absorption}\n")
         };
@@ -110,7 +118,7 @@ impl Cloth {
             text += &fiber(&format!("g{i}"), &kind.radius_um, &kind.ior, &kind.absorption);
         }
         text += &format!(
-            "[model]\ndirections = {directions}\nlength_over_radius = {}\n[measure]\nsides = {sides}\n\
+            "[model]\ntracking = \"{tracking}\"\ndirections = {directions}\nlength_over_radius = {}\n[measure]\nsides = {sides}\n\
              incident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
             self.length_over_radius
         );

@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Where the next flight starts: at-hit
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
-    /// Cells of the repeat of a weave along x, y and z, such as 24x24x8 [default: edges of two fiber radii]
+    /// Cells of the repeat of a weave along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at most 2^18 cells]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
     /// Cells of the grid of fiber directions, a square number [default: 1024]

@@ -4,7 +4,7 @@
 //! Isotropic fibers of index 1.5 at optical depths H·d = 0.5, 4 and 32 (H is the true total specific visible area, not
 //! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, and let walks
 //! start in the middle of their incident cells instead of at random, and read directions from a texture. Each figure is the median over the rounds, with the smallest and the largest.
-//! The weaves are grids of cells, open and dense.
+//! Rows named tabulated track by a table of H(m). The weaves are grids of cells, open and dense.
 
 mod weaves;
 
@@ -14,7 +14,7 @@ use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::Side;
-use fiberwalk::tables::{AliasTable, Kind, List, SamplingTables};
+use fiberwalk::tables::{AliasTable, Kind, List, SamplingTables, VisibleArea};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -92,6 +92,7 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
         cases.push(Case { disc: false, ..variant("fixed starts") });
         cases.push(Case { jitter: false, disc: false, ..variant("neither") });
         cases.push(Case { texture: true, ..variant("in a texture") });
+        cases.push(Case { tables: Rc::new(with_table(&tables)), ..variant("tabulated") });
     }
     cases
 }
@@ -128,12 +129,21 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
         cases.push(case("cpu", None, walks / 8));
         let Some(gpu) = gpu else { continue };
         cases.push(case("gpu", Some(gpu), walks));
+        let name_of_table = format!("gpu, {name}, tabulated");
+        let tabulated = Rc::new(with_table(&tables));
+        cases.push(Case { name: name_of_table, tables: tabulated, ..case("", Some(gpu), walks) });
         if name == "coarse voile" {
             let name = format!("gpu, {name}, cells in a texture");
             cases.push(Case { name, cells_in_texture: true, ..case("", Some(gpu), walks) });
         }
     }
     cases
+}
+
+/// The same medium, tracked by tables.
+fn with_table(tables: &SamplingTables) -> SamplingTables {
+    let visible = VisibleArea::new(tables).unwrap_or_else(|error| panic!("{error}"));
+    SamplingTables { visible: Some(visible), ..tables.clone() }
 }
 
 fn sheet(depth: f64) -> SamplingTables {

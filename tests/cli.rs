@@ -107,6 +107,36 @@ fn flags_have_their_way_over_the_file() {
 }
 
 #[test]
+fn tracking_is_chosen_by_flag_and_by_file_and_its_error_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cloth = |model: &str| {
+        let text = format!(
+            "[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 100\n[[sheet.fibers]]\nfiber = \"f\"\n\
+             length_density_per_mm2 = 100\norientation = \"planar\"\n[measure]\nincident = 4\nexit = 4\n{model}"
+        );
+        std::fs::write(folder.path().join("sheet.toml"), text).expect("it can be written");
+    };
+    let told = "a table of H for 64 × 64 rays; the largest error of H found is";
+    let inspected = || text(&fiberwalk(folder.path(), &["inspect", "sheet.toml"]).stdout);
+    for engine in ["gpu", "cpu"] {
+        let run = |more: &[&str]| {
+            let arguments = ["sheet.toml", "--walks", "100", "--force", "--engine", engine];
+            let (output, summary) = measure(folder.path(), &[&arguments[..], more].concat());
+            (text(&output.stderr).contains(told), summary["model"]["tracking"].clone())
+        };
+        cloth("");
+        assert_eq!(run(&[]), (false, "null-collision".into()));
+        assert_eq!(run(&["--tracking", "tabulated"]), (true, "tabulated".into()));
+        cloth("[model]\ntracking = \"tabulated\"\n");
+        assert_eq!(run(&[]), (true, "tabulated".into()));
+        assert_eq!(run(&["--tracking", "null-collision"]), (false, "null-collision".into()));
+    }
+    assert!(inspected().contains("table of H       64 × 64 rays; the largest error of H found is"), "{}", inspected());
+    cloth("");
+    assert!(!inspected().contains("table of H"), "{}", inspected());
+}
+
+#[test]
 fn a_dyed_cloth_shows_its_channels_on_both_sides() {
     let folder = tempfile::tempdir().expect("a folder");
     let cloth = |absorption: &str, more: &str| {

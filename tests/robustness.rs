@@ -527,7 +527,6 @@ fn what_is_not_available_yet_is_refused_by_name() {
     let word =
         |key: &str, word: &str, only: &str| format!("`model.{key}`: \"{word}\" is not available yet; allowed: {only}");
     refuse_lines(&[
-        ("[model]\ntracking = \"tabulated\"", &format!("12:12: {}", word("tracking", "tabulated", "null-collision"))),
         ("[model]\nplacement = \"carried\"", &format!("12:13: {}", word("placement", "carried", "at-hit"))),
         ("[model]\nplacement = \"carried-dense\"", &format!("12:13: {}", word("placement", "carried-dense", "at-hit"))),
         ("[model]\ncells = [32, 32, 16]", &format!("12:1: `cells` {cells}")),
@@ -587,8 +586,8 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
             (&["--sides", "front,"], "--sides:1:1: `sides`: unknown side \"\"; allowed: front, back"),
             (&["--sides", "Front"], "--sides:1:1: `sides`: unknown side \"Front\"; allowed: front, back"),
             (
-                &["--tracking", "tabulated"],
-                "--tracking:1:1: `tracking`: \"tabulated\" is not available yet; allowed: null-collision",
+                &["--tracking", "tables"],
+                "--tracking:1:1: `tracking`: unknown value \"tables\"; allowed: null-collision, tabulated",
             ),
             (
                 &["--placement", "carried"],

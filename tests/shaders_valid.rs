@@ -42,10 +42,15 @@ fn check_all(shader: &Shader) -> usize {
     let mut translated = 0;
     for entry in &module.entry_points {
         for combination in 0..1u32 << flags.len() {
-            let values = flags.iter().enumerate().map(|(i, name)| (name.clone(), f64::from(combination >> i & 1)));
-            translate(&module, &info, &entry.name, &values.collect())
-                .unwrap_or_else(|error| panic!("{}, {flags:?} = {combination:b}: {error}", entry.name));
-            translated += 1;
+            // Flights by null collisions, and by a table of 16 × 16 rays.
+            for visible in [0.0, 16.0] {
+                let values = flags.iter().enumerate().map(|(i, name)| (name.clone(), f64::from(combination >> i & 1)));
+                let values = values.chain([("VISIBLE_N".to_owned(), visible)]);
+                translate(&module, &info, &entry.name, &values.collect()).unwrap_or_else(|error| {
+                    panic!("{}, {flags:?} = {combination:b}, {visible} rays: {error}", entry.name)
+                });
+                translated += 1;
+            }
         }
     }
     translated
@@ -53,12 +58,12 @@ fn check_all(shader: &Shader) -> usize {
 
 #[test]
 fn the_kernel_runs_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::walk()), 512, "one entry point, nine flags");
+    assert_eq!(check_all(&Shader::walk()), 2 * 512, "one entry point, nine flags, two ways to track");
 }
 
 #[test]
 fn the_probes_run_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::probe()), 8 * 64, "eight entry points, six flags");
+    assert_eq!(check_all(&Shader::probe()), 2 * 10 * 64, "ten entry points, six flags, two ways to track");
 }
 
 #[test]

@@ -70,12 +70,12 @@ fn cases() -> Vec<Case> {
     };
     vec![
         case("isotropic sheet", sheet(&Cloth::isotropic(2.0)), 10_000, 1.095),
-        case("mixed sheet", sheet(&mixed), 150_000, 1.066),
-        case("aligned sheet", sheet(&Cloth::new(120.0, &oblique).lit_from(angles)), 150_000, 1.058),
-        case("dyed sheet", sheet(&dyed().lit_from(angles)), 150_000, 1.062),
-        case("dense cells", scattered(1.0, false).prepare(), 150_000, 1.064),
+        case("mixed sheet", sheet(&mixed), 125_000, 1.066),
+        case("aligned sheet", sheet(&Cloth::new(120.0, &oblique).lit_from(angles)), 115_000, 1.058),
+        case("dyed sheet", sheet(&dyed().lit_from(angles)), 120_000, 1.062),
+        case("dense cells", scattered(1.0, false).prepare(), 135_000, 1.064),
         case("sparse cells", scattered(0.2, true).prepare(), 150_000, 1.094),
-        case("voile", voile(), 200_000, 1.125),
+        case("voile", voile(), 185_000, 1.125),
     ]
 }
 
@@ -145,7 +145,9 @@ fn both_trackings_give_the_same_light() {
             let z = two_tally_z(&tally, &exact);
             let excess = excess(&tally, &exact, error, depth);
             let off = two_tally_z(&track(engine, run, &bent, &goniometer, plan(500 + i, walks)), &exact);
-            println!("{name}, {engine}: z = {z:.1}, R, T, direct {excess:.1}; density × {bend}: z = {off:.1}; H error {error:.4}, depth {depth:.1}");
+            println!(
+                "{name}, {engine}: z = {z:.1}, R, T, direct {excess:.1}; density × {bend}: z = {off:.1}; H error {error:.4}, depth {depth:.1}"
+            );
             assert!(z.abs() < GATE, "{name}, {engine}: z = {z:.1}");
             assert!(excess < GATE, "{name}, {engine}: R, T or direct is {excess:.1} σ off");
             assert!(off > GATE, "{name}, {engine}: z = {off:.1}");
@@ -176,7 +178,9 @@ fn dyed_light_with_roulette_is_the_same() {
 fn rays_along_the_fibers_come_through() {
     // H of the whole sheet across the fibers is 6 / mm.
     let (radius, length) = (0.01, 300.0);
-    for (tilt, incident) in [(0.0f64, "[[0, 0], [0.1, 40], [1, 40], [5, 40]]"), (30.0, "[[30, 0], [30.1, 0], [31, 0], [35, 0]]")] {
+    for (tilt, incident) in
+        [(0.0f64, "[[0, 0], [0.1, 40], [1, 40], [5, 40]]"), (30.0, "[[30, 0], [30.1, 0], [31, 0], [35, 0]]")]
+    {
         let axis = [tilt.to_radians().sin(), 0.0, tilt.to_radians().cos()];
         let (tables, goniometer) = sheet(&Cloth::new(length, &aligned(axis)).lit_from(incident));
         for tables in [tables.clone(), with_table(tables)] {
@@ -185,7 +189,7 @@ fn rays_along_the_fibers_come_through() {
                 let walks = 20_000;
                 let tally = track(engine, run, &tables, &goniometer, plan(600, walks));
                 for (start, off) in [0.0, 0.1, 1.0, 5.0f64].into_iter().enumerate() {
-                    let depth = 2.0 * radius * length / (tilt + if tilt > 0.0 { off } else { off }).to_radians().cos();
+                    let depth = 2.0 * radius * length / (tilt + off).to_radians().cos();
                     let expected = (-depth * off.to_radians().sin()).exp();
                     let share = tally.direct(start) as f64 / walks as f64;
                     let sigma = (expected * (1.0 - expected) / walks as f64).sqrt();
@@ -196,6 +200,9 @@ fn rays_along_the_fibers_come_through() {
                 }
                 let events = tally.counts.tentative_events as f64 / tally.counts.finished as f64;
                 println!("{engine}, error {error:.4}: {events:.1} events a walk");
+                // Along the fibers there are as many collisions as the table errs, each given up after 1024 refusals.
+                let most = 10.0 + 1024.0 * error * 2.0 * radius * length / (tilt + 5.0).to_radians().cos();
+                assert!(events < most, "{engine}: {events} events a walk, at most {most}");
             }
         }
     }
@@ -247,6 +254,7 @@ fn what_the_tables_are_not_made_for_is_refused() {
     let base = Cloth { directions: 16, ..Cloth::isotropic(1.0) };
     let mut cells = CellCloth::new(base.tabulated(), [100, 100, 4], [1.0, 1.0], |_| 1.0);
     cells.lists = vec![cells.lists[0][..1].to_vec(); 40_000];
-    let error = SamplingTables::new(&cells.base.scene(), &cells.specific_length()).expect_err("there are too many lists");
+    let error =
+        SamplingTables::new(&cells.base.scene(), &cells.specific_length()).expect_err("there are too many lists");
     assert!(error.to_string().starts_with("tables of H(m) for 40000 lists"), "{error}");
 }

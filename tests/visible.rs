@@ -129,19 +129,18 @@ fn rays(random: &mut SplitMix) -> Vec<DVec3> {
     (0..CALLS).map(ray).collect()
 }
 
-fn call(setup: &(SamplingTables, Goniometer), in_texture: bool, entry: &str, inputs: &[ProbeInput]) -> Vec<[u32; 4]> {
+fn call(setup: &(SamplingTables, Goniometer), entry: &str, inputs: &[ProbeInput]) -> Vec<[u32; 4]> {
     let mut probe = Probe::new(gpu(), &setup.0, &setup.1);
-    probe.in_texture = in_texture;
+    probe.in_texture = true;
     probe.call(entry, inputs).expect("the device works")
 }
 
 #[test]
 fn visible_area_is_the_look_up() {
-    // Tables behind the lists of cells need a texture; the one of a sheet of few directions fits a uniform buffer.
     let cells = lists().prepare();
     let sheet = fiberwalk::measure::prepare(&Cloth { directions: 16, ..Cloth::new(50.0, PLANAR) }.tabulated().scene());
     let sheet = sheet.map(|prepared| (prepared.tables, prepared.goniometer)).expect("the cloth is fine");
-    for (setup, in_texture) in [(cells, true), (sheet, true)] {
+    for setup in [cells, sheet] {
         let tables = &setup.0;
         let cells = visible(tables).n.pow(2);
         let list = |i: usize| (i % tables.lists.len()) as u32;
@@ -154,7 +153,7 @@ fn visible_area_is_the_look_up() {
         let input = |(i, m): (usize, &DVec3)| ProbeInput { a: bits(*m, 0.0), b: [packed(list(i)), 0, 0, 0], c: [0; 4] };
         let inputs: Vec<ProbeInput> = rays.iter().enumerate().map(input).collect();
         let mut far = 0;
-        for (i, (m, output)) in rays.iter().zip(call(&setup, in_texture, "probe_visible_area", &inputs)).enumerate() {
+        for (i, (m, output)) in rays.iter().zip(call(&setup, "probe_visible_area", &inputs)).enumerate() {
             let area = f64::from(f32::from_bits(output[0]));
             let expected = visible(tables).look_up(list(i), *m);
             // A place on the square is off by some roundings, a cell 2/n wide, and neighbours differ by a slope of 3.
@@ -183,16 +182,18 @@ fn block_ahead_is_the_block_that_the_ray_goes_through() {
         for (i, m) in rays(&mut random).into_iter().enumerate() {
             // From far away in x and y; on faces, on edges, in corners, and on the faces of the cloth.
             let spread = [1.0, 1.0, 10.0, 1000.0][i / 8 % 4];
-            let mut place =
-                [0, 1, 2].map(|axis| counts[axis] as f64 * (0.5 + if axis < 2 { spread } else { 1.0 } * (random.uniform() - 0.5)));
+            let mut place = [0, 1, 2].map(|axis| {
+                counts[axis] as f64 * (0.5 + if axis < 2 { spread } else { 1.0 } * (random.uniform() - 0.5))
+            });
             let on_faces = [0, 1, 2, 4, 3, 5, 6, 7][i / 32 % 8];
             (0..3).filter(|axis| on_faces >> axis & 1 == 1).for_each(|axis| place[axis] = place[axis].round());
             calls.push((rounded(DVec3::from(place)), m));
         }
-        let input = |(place, m): &(DVec3, DVec3), c| ProbeInput { a: bits(*place, 0.0), b: bits(*m, 0.0), c: [c, 0, 0, 0] };
+        let input =
+            |(place, m): &(DVec3, DVec3), c| ProbeInput { a: bits(*place, 0.0), b: bits(*m, 0.0), c: [c, 0, 0, 0] };
         let [first, second] = [0, 1].map(|c| {
             let inputs: Vec<ProbeInput> = calls.iter().map(|one| input(one, c)).collect();
-            call(&setup, seed == 2, "probe_block_ahead", &inputs)
+            call(&setup, "probe_block_ahead", &inputs)
         });
         let mut jumps = 0;
         for ((place, m), (first, second)) in calls.iter().zip(first.iter().zip(&second)) {
@@ -204,7 +205,8 @@ fn block_ahead_is_the_block_that_the_ray_goes_through() {
             });
             let home = [cell[0].rem_euclid(counts[0]), cell[1].rem_euclid(counts[1]), cell[2]];
             let entry = &entries[grid.index(home.map(|at| at as u32))];
-            let reach = [entry.reach.across, entry.reach.across, entry.reach.along].map(|reach| i64::from(reach.max(1)));
+            let reach =
+                [entry.reach.across, entry.reach.across, entry.reach.along].map(|reach| i64::from(reach.max(1)));
             jumps += usize::from(reach[0] > 8);
             let brought = *place + DVec3::from([0, 1, 2].map(|axis| (home[axis] - cell[axis]) as f64));
             let near = (vector(*first) - brought).abs();

@@ -48,7 +48,7 @@ impl Flight {
         witness: &mut impl Witness,
     ) -> Event {
         match &tables.visible {
-            None => self.to_tentative(tables, grid, m, draws, witness),
+            None => self.tentative(tables, grid, m, draws, witness),
             Some(visible) => self.march(tables, visible, grid, m, draws, witness),
         }
     }
@@ -63,7 +63,7 @@ impl Flight {
     }
 
     /// Null collisions: fly at the rate of the majorant.
-    fn to_tentative(
+    fn tentative(
         &mut self,
         tables: &SamplingTables,
         grid: &CellGrid,

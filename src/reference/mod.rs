@@ -5,8 +5,8 @@
 //!
 //! Inputs: sampling tables (mm, 1/mm), goniometer, plan.
 //!
-//! Differs from the paper: null-collision tracking (see [`tables`](crate::tables)) and the closed form of the cylinder
-//! (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper.
+//! Differs from the paper: null-collision tracking beside the paper's own (see [`tables`](crate::tables)), and the closed
+//! form of the cylinder (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper.
 
 mod cells;
 mod engine;

@@ -5,9 +5,9 @@
 //!
 //! Inputs: the specific length (mm/mm³) by cell, fiber radii (mm), indices.
 //!
-//! Differs from the paper: no table of H(m), but for the tracking that asks for it. Tentative events come at the rate 2·Σ R F, a fiber is drawn with weight
-//! R f, and the event is a collision with probability |m × p|; that gives H and h/H jointly and exactly. In a cloth of
-//! many cells the densest sets the rate, and a cell takes its share of it.
+//! Differs from the paper: H(m) is tabulated for the tracking that asks for it only. Otherwise tentative events come at
+//! the rate 2·Σ R F, a fiber is drawn with weight R f, and the event is a collision with probability |m × p|; that gives H
+//! and h/H jointly and exactly. In a cloth of many cells the densest sets the rate, and a cell takes its share of it.
 
 mod alias;
 mod blocks;

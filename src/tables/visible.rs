@@ -10,6 +10,8 @@ use rayon::prelude::*;
 /// Rays at which the error is looked at, for each of so many lists.
 const RAYS: u32 = 512;
 const LISTS: usize = 64;
+/// Entries of a list that are integrated with several points each.
+const MANY: usize = 4096;
 
 /// H(m) of every list relative to its greatest possible value, ⟨|m × p|⟩, on a grid of the half-sphere of m.
 ///
@@ -110,10 +112,12 @@ impl Exact {
     fn new(tables: &SamplingTables, list: usize) -> Exact {
         let list = &tables.lists[list];
         let first = list.first as usize;
+        // Many patches are small: their middles will do.
+        let few = list.alias.words().len() <= MANY;
         let shares = list.alias.probabilities();
         let points = shares.into_iter().enumerate().filter(|(_, share)| *share > 0.0).flat_map(|(entry, share)| {
             let patch = tables.patches[first + entry];
-            let points = points_of(&patch);
+            let points = if few { points_of(&patch) } else { vec![direction_of(patch.centre())] };
             let count = points.len() as f64;
             points.into_iter().map(move |p| (p, share / count))
         });

@@ -108,8 +108,7 @@ impl Cloth {
 
     /// The file's text.
     pub fn toml(&self) -> String {
-        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, incident, exit, sides, .. } =
-            self;
+        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, incident, exit, sides, .. } = self;
         let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
             format!("[fiber.{name}]\nradius_um = {radius}\nior = {ior}\nabsorption_per_mm = {absorption}\n")
         };

@@ -1,6 +1,5 @@
 //! The built program, run in an empty folder of its own.
 #![allow(dead_code, reason = "each test binary uses its own part")]
-#![allow(dead_code, reason = "each test binary uses its own part")]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -6,6 +6,9 @@ use crate::scene::reader::Table;
 use crate::scene::yarn::{Yarn, find_yarn};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Most colours that a complaint names.
+const NAMED: usize = 16;
+
 /// The yarn of every colour that a thread without a given yarn has.
 pub fn read_colors(
     table: &Table,
@@ -21,7 +24,14 @@ pub fn read_colors(
     let mut known: Vec<u32> = used.iter().filter_map(|colour| **colour).collect();
     known.sort_unstable();
     known.dedup();
-    let list = |colours: &mut dyn Iterator<Item = &u32>| colours.map(word).collect::<Vec<_>>().join(", ");
+    let list = |mut colours: &mut dyn Iterator<Item = &u32>| {
+        let mut words: Vec<String> = (&mut colours).take(NAMED).map(word).collect();
+        let more = colours.count();
+        if more > 0 {
+            words.push(format!("and {more} more"));
+        }
+        words.join(", ")
+    };
     let Some(value) = table.get("colors") else {
         return match wanted {
             [false, false] => Ok(BTreeMap::new()),

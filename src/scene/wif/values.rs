@@ -1,6 +1,6 @@
 //! What the lines of a WIF file say: numbers, lists, words.
 
-use super::lines::{Entry, Sections, plain};
+use super::lines::{Entry, Sections, plain, shorten};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
@@ -114,8 +114,8 @@ impl<'a> Sections<'a> {
     fn check_double(&self, before: Option<&Entry>, entry: &Entry) -> Result<()> {
         match before {
             Some(before) if before.value != entry.value => {
-                let message = format!("line {} says {}={}; leave one of them", before.line, before.key, before.value);
-                Err(self.at(entry, &super::lines::shorten(&message)))
+                let (line, key, value) = (before.line, shorten(before.key), shorten(before.value));
+                Err(self.at(entry, &format!("line {line} says {key}={value}; leave one of them")))
             }
             _ => Ok(()),
         }

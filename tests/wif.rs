@@ -21,6 +21,8 @@ const FILE: &str = "[WIF]\nVersion=1.1\n[WEAVING]\nShafts=4\nTreadles=4\nRising 
                     1=1\n2=2\n3=3\n4=4\n";
 
 fn parse_in(place: &Place, wif: impl AsRef<[u8]>, lines: &str) -> fiberwalk::Result<Scene> {
+    // Do not write over a file: that waits for the disk.
+    let _ = std::fs::remove_file(place.path("twill.wif"));
     place.write("twill.wif", wif);
     let (file, stem, text) = ("cloth.toml".into(), "cloth".into(), format!("{CLOTH}wif = \"twill.wif\"\n{lines}\n"));
     Scene::parse(&Source { file, stem, text, folder: Some(place.path("")) })

@@ -50,7 +50,7 @@ impl<'a> Plan<'a> {
         let count = |key| {
             let entry = sections.named("WEAVING", key)?;
             let count = entry.map(|entry| sections.whole(&entry)).transpose()?;
-            // Programs write 0 treadles beside a lift plan.
+            // Take 0 for no number, since programs write it beside a lift plan.
             Ok(count.filter(|count| *count > 0))
         };
         let (shafts, treadles) = (count("Shafts")?, count("Treadles")?);
@@ -59,7 +59,7 @@ impl<'a> Plan<'a> {
         let mut tie_up = sections.lists("TIEUP", "shafts")?;
         let mut treadling = sections.lists("TREADLING", "treadles")?;
         let mut lift_plan = sections.lists("LIFTPLAN", "shafts")?;
-        // Some programs list all treadles that they know of.
+        // Leave out treadles that are not there, since some programs list all that they know of.
         tie_up.retain(|treadle, _| treadles.is_none_or(|most| *treadle <= most));
         for lines in [&ends, &tie_up] {
             check(sections, lines, "shaft", "Shafts", shafts)?;

@@ -66,9 +66,9 @@ impl<'a> Sections<'a> {
     /// [`Error::Scene`] at a line of a section of the cloth that is neither KEY=VALUE nor a comment.
     pub fn read(file: &'a str, text: &'a str) -> Result<Sections<'a>> {
         let mut sections = Sections { file, entries: BTreeMap::new() };
-        // Section names are few; lines before the first one belong to none.
+        // Pass over lines before the first section.
         let mut section = None;
-        // Old programs end a file with the sign that DOS took for its end.
+        // Leave out the sign that DOS took for the end of a file.
         for (line, text) in lines(text.trim_end_matches(['\u{1a}', '\0'])) {
             let text = text.trim();
             if text.is_empty() || text.starts_with([';', '#']) {
@@ -81,14 +81,14 @@ impl<'a> Sections<'a> {
                 continue;
             }
             let Some(section) = section else { continue };
-            // Comments may follow numbers and words; only the sections of texts have values with semicolons.
+            // Cut a comment off; only the sections of texts have values with semicolons.
             let text = text.split(';').next().unwrap_or_default();
             let Some((key, value)) = text.split_once('=') else {
                 let message = format!("[{section}] `{}` is neither KEY=VALUE nor a comment after `;`", shorten(text));
                 return Err(sections.error(line, message));
             };
             let (key, value) = (key.trim(), value.trim());
-            // A key without a value says as much as no line.
+            // Take a key without a value for no line.
             if !value.is_empty() {
                 sections.entries.entry(section).or_default().push(Entry { line, section, key, value });
             }

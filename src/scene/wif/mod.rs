@@ -52,7 +52,7 @@ pub struct Wif {
     pub table: BTreeMap<u32, String>,
 }
 
-/// Read the file that the key `wif` names; threads that never interlace are refused by `interlaced`.
+/// Read the file that the key `wif` names; every thread of it interlaces.
 ///
 /// # Errors
 /// [`Error::Scene`] at a line of the WIF file, or at the key when the file lacks something or cannot be read.

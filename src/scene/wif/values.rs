@@ -67,7 +67,7 @@ impl<'a> Sections<'a> {
                 };
                 list.push(number);
             }
-            // Zero stands for none.
+            // Leave out zero, which stands for none.
             list.retain(|&number| number > 0);
             list.sort_unstable();
             list.dedup();

@@ -127,11 +127,7 @@ fn threads_are_known_yarns_that_fit_side_by_side() {
             "picks_per_cm = 20\nwarp_crimp_share = 1.1",
             "20:20: `weave.warp_crimp_share` is 1.1, but must be a number from 0 to 1",
         ),
-        (
-            "picks_per_cm = 20",
-            "picks_per_cm = 20\nwif = \"a.wif\"",
-            "20:1: `wif` is not available yet; write the `draft` here",
-        ),
+        ("picks_per_cm = 20", "picks_per_cm = 20\nwif = \"a.wif\"", "20:7: a weave has a `draft` or a `wif`, not both"),
     ]);
 }
 

@@ -1,6 +1,6 @@
 //! What a tally is of.
 
-use super::provenance::incident;
+use super::provenance::{incident, weave};
 use crate::error::{Error, Result};
 use crate::goniometer::{DiscBasis, Goniometer, Incidence};
 use crate::scene::{Scene, Side};
@@ -14,6 +14,9 @@ pub struct About {
     pub version: String,
     /// Text of the cloth file.
     pub cloth: String,
+    /// The repeat of a weave, whose draft the cloth file may leave to another file; none of a sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weave: Option<Value>,
     /// The model's settings.
     pub model: Value,
     /// Incident basis as the cloth file writes it.
@@ -34,6 +37,7 @@ impl About {
         About {
             version: env!("CARGO_PKG_VERSION").into(),
             cloth: scene.text.clone(),
+            weave: weave(scene),
             model: serde_json::to_value(scene.model).unwrap_or_default(),
             incident: incident(scene),
             exit: scene.measure.exit,

@@ -2,13 +2,13 @@
 
 use crate::goniometer::Run;
 use crate::measure::Measurement;
-use crate::scene::{Incident, Scene};
+use crate::scene::{Incident, Scene, Structure};
 use serde_json::{Value, json};
 
 /// The attribute that every part of an EXR file carries.
 pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
     let origin = measurement.tally.origin();
-    json!({
+    let mut value = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "cloth": scene.text,
         "model": scene.model,
@@ -18,7 +18,27 @@ pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
         "walks": measurement.tally.counts.launched,
         "engine": origin.engine,
         "adapter": origin.adapter,
-    })
+    });
+    // The cloth file may leave the draft to another file.
+    if let Some(weave) = weave(scene) {
+        value["weave"] = weave;
+    }
+    value
+}
+
+/// The repeat of a weave: its draft as the cloth file writes it, the yarns and the settings of its threads.
+pub fn weave(scene: &Scene) -> Option<Value> {
+    let Structure::Weave(weave) = &scene.structure else { return None };
+    let yarns = |threads: &[usize]| threads.iter().map(|&yarn| weave.yarns[yarn].name.as_str()).collect::<Vec<_>>();
+    // Without the noise of the conversion.
+    let per_cm = |spacing: f64| (1e9 * 10.0 / spacing).round() / 1e9;
+    Some(json!({
+        "draft": weave.draft(),
+        "warp": yarns(&weave.ends),
+        "weft": yarns(&weave.picks),
+        "ends_per_cm": per_cm(weave.end_spacing),
+        "picks_per_cm": per_cm(weave.pick_spacing),
+    }))
 }
 
 /// The runs of which a result is made.

@@ -1,6 +1,6 @@
 //! `absorption_per_mm` and the colour channels that follow from it.
 
-use super::load::read_at_most;
+use super::load::read_beside;
 use super::reader::{Allowed, Document, Value};
 use crate::error::Result;
 use std::path::Path;
@@ -64,14 +64,9 @@ pub(super) fn read_absorption(value: &Value, folder: Option<&Path>) -> Result<Ab
             Ok(Absorption::Rgb([items[0].number(RANGE)?, items[1].number(RANGE)?, items[2].number(RANGE)?]))
         }
         (None, Some(file)) => {
-            let name = file.string()?;
-            let path = folder.map_or_else(|| Path::new(name).to_owned(), |folder| folder.join(name));
-            let refuse = |why: String| file.error(format!("cannot read the spectrum `{}`: {why}", path.display()));
-            let bytes = read_at_most(&path, MAX_BYTES).map_err(|source| refuse(source.to_string()))?;
-            if bytes.len() as u64 > MAX_BYTES {
-                return Err(refuse(format!("it is longer than {} KiB", MAX_BYTES >> 10)));
-            }
-            let text = String::from_utf8(bytes).map_err(|_| refuse("it is not UTF-8 text".into()))?;
+            let (path, bytes) = read_beside(&file, "the spectrum", folder, MAX_BYTES)?;
+            let refuse = |why: &str| file.error(format!("cannot read the spectrum `{}`: {why}", path.display()));
+            let text = String::from_utf8(bytes).map_err(|_| refuse("it is not UTF-8 text"))?;
             read_spectrum(&Document { file: path.display().to_string(), source: &text }).map(Absorption::Spectrum)
         }
         _ => Err(value.expected(FORMS)),

@@ -4,7 +4,7 @@ use super::absorption::{Absorption, Channels, Clash, resolve};
 use super::measure::Measure;
 use super::model::Model;
 use super::presets::{PRESETS, preset};
-use super::reader::{Document, Table, closest};
+use super::reader::{Document, Table, Value, closest};
 use super::sheet::{Fiber, Sheet, read_fibers};
 use super::structure::{Structure, read_structure};
 use crate::error::{Error, Result};
@@ -67,8 +67,20 @@ impl Source {
     }
 }
 
+/// Read the file that a value names, beside the cloth file: its path and its bytes.
+pub(super) fn read_beside(value: &Value, what: &str, folder: Option<&Path>, most: u64) -> Result<(PathBuf, Vec<u8>)> {
+    let name = value.string()?;
+    let path = folder.map_or_else(|| Path::new(name).to_owned(), |folder| folder.join(name));
+    let refuse = |why: String| value.error(format!("cannot read {what} `{}`: {why}", path.display()));
+    let bytes = read_at_most(&path, most).map_err(|source| refuse(source.to_string()))?;
+    if bytes.len() as u64 > most {
+        return Err(refuse(format!("it is longer than {} KiB", most >> 10)));
+    }
+    Ok((path, bytes))
+}
+
 /// The bytes of a file, and at most one too many.
-pub(super) fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
@@ -106,7 +118,7 @@ impl Scene {
         root.expect_keys(&keys, &[("knit", NOT_KNITTED)])?;
         let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
         let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
-        let structure = read_structure(&root, &fibers)?;
+        let structure = read_structure(&root, &fibers, source.folder.as_deref())?;
         let mut model = Model::of(matches!(structure, Structure::Weave(_)));
         if let Some(value) = root.get("model") {
             model.read(&value.table()?)?;

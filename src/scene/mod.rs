@@ -7,6 +7,7 @@
 //! Differs from the paper: nothing; the paper does not say how its input is written.
 
 mod absorption;
+mod draft;
 mod load;
 mod measure;
 mod model;
@@ -15,6 +16,7 @@ mod reader;
 mod sheet;
 mod structure;
 mod weave;
+mod wif;
 mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};

@@ -137,6 +137,7 @@ impl<'a> Table<'a> {
 }
 
 /// A value of the file.
+#[derive(Clone)]
 pub struct Value<'a> {
     document: &'a Document<'a>,
     name: String,

@@ -5,6 +5,7 @@ use super::sheet::{Fiber, MAX_KINDS, Sheet, read_sheet};
 use super::weave::{Weave, read_weave};
 use super::yarn::read_yarns;
 use crate::error::Result;
+use std::path::Path;
 
 /// What the cloth is.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +26,8 @@ impl Structure {
     }
 }
 
-/// Read the one structure that the file describes.
-pub(super) fn read_structure(root: &Table, fibers: &[Fiber]) -> Result<Structure> {
+/// Read the one structure that the file describes; files that it names lie in the folder.
+pub(super) fn read_structure(root: &Table, fibers: &[Fiber], folder: Option<&Path>) -> Result<Structure> {
     let (structure, name, place) = match (root.get("sheet"), root.get("weave")) {
         (Some(_), Some(weave)) => return Err(weave.error("a cloth is a [sheet] or a [weave], not both")),
         (None, None) => return Err(root.error("the file needs a [sheet] or a [weave]")),
@@ -39,7 +40,7 @@ pub(super) fn read_structure(root: &Table, fibers: &[Fiber]) -> Result<Structure
         (None, Some(weave)) => {
             let table = weave.table()?;
             let yarns = read_yarns(&root.require("yarn")?.table()?, fibers)?;
-            (Structure::Weave(read_weave(&table, yarns)?), "weave", Some(weave))
+            (Structure::Weave(read_weave(&table, yarns, folder)?), "weave", Some(weave))
         }
     };
     let found = structure.kinds().len();

@@ -1,16 +1,18 @@
 //! `[weave]`.
 
-use super::reader::{Allowed, Table, Value, closest};
+use super::draft::{Draft, read_draft};
+use super::reader::{Allowed, Table, Value};
 use super::sheet::UM;
 use super::yarn::{Yarn, round};
 use crate::error::Result;
+use std::path::Path;
 
+/// Keys of the table.
+const KEYS: [&str; 8] = ["draft", "wif", "colors", "warp", "weft", "ends_per_cm", "picks_per_cm", "warp_crimp_share"];
 /// Most ends and most picks of a repeat.
-const MAX_THREADS: usize = 256;
+pub(super) const MAX_THREADS: usize = 256;
 /// Most fibers of a repeat.
 const MAX_FIBERS: usize = 2_000_000;
-/// Threads per cm → mm between two of them.
-const CM: f64 = 10.0;
 
 /// A woven cloth: one repeat of it. Ends are the threads of the warp, from the smallest x; picks those of the weft,
 /// from the smallest y.
@@ -38,6 +40,13 @@ impl Weave {
         self.over[pick * self.ends.len() + end]
     }
 
+    /// Rows of X (warp over weft) and . (under it) as a cloth file writes them: the first pick last.
+    pub fn draft(&self) -> Vec<String> {
+        let mark = |end, pick| if self.warp_over(end, pick) { 'X' } else { '.' };
+        let row = |pick| (0..self.ends.len()).map(|end| mark(end, pick)).collect();
+        (0..self.picks.len()).rev().map(row).collect()
+    }
+
     /// Indices of the kinds of fiber of the yarns that the threads are made of, ascending.
     pub fn kinds(&self) -> Vec<usize> {
         let used = self.ends.iter().chain(&self.picks).flat_map(|&yarn| &self.yarns[yarn].blend);
@@ -53,16 +62,11 @@ impl Weave {
     }
 }
 
-pub(super) fn read_weave(table: &Table, yarns: Vec<Yarn>) -> Result<Weave> {
-    let keys = ["draft", "warp", "weft", "ends_per_cm", "picks_per_cm", "warp_crimp_share"];
-    table.expect_keys(&keys, &[("wif", "is not available yet; write the `draft` here")])?;
-    let value = table.require("draft")?;
-    let draft = read_draft(&value)?;
-    check_interlacing(&value, &draft)?;
-    let warp = read_threads(&table.require("warp")?, &yarns)?;
-    let weft = read_threads(&table.require("weft")?, &yarns)?;
-    let spacing = |key: &str| Ok(CM / table.require(key)?.number(Allowed::from(0.1, 1000.0))?);
-    let (end_spacing, pick_spacing) = (spacing("ends_per_cm")?, spacing("picks_per_cm")?);
+pub(super) fn read_weave(table: &Table, yarns: Vec<Yarn>, folder: Option<&Path>) -> Result<Weave> {
+    table.expect_keys(&KEYS, &[])?;
+    let Draft { value, over: draft, threads, spacings } = read_draft(table, &yarns, folder)?;
+    let [warp, weft] = threads;
+    let [end_spacing, pick_spacing] = spacings;
     let share = table.get("warp_crimp_share").map(|value| value.number(Allowed::from(0.0, 1.0))).transpose()?;
     // Take as many columns and rows as the draft and the list of yarns have in common.
     let (width, height) = (draft[0].len(), draft.len());
@@ -85,81 +89,14 @@ pub(super) fn read_weave(table: &Table, yarns: Vec<Yarn>) -> Result<Weave> {
         warp_crimp_share: share.unwrap_or(0.5),
         yarns,
     };
-    check_widths(&table.require("ends_per_cm")?, "ends", &weave.ends, &weave.yarns, end_spacing)?;
-    check_widths(&table.require("picks_per_cm")?, "picks", &weave.picks, &weave.yarns, pick_spacing)?;
+    let place = |key: &str| table.get(key).unwrap_or_else(|| value.clone());
+    check_widths(&place("ends_per_cm"), "ends", &weave.ends, &weave.yarns, end_spacing)?;
+    check_widths(&place("picks_per_cm"), "picks", &weave.picks, &weave.yarns, pick_spacing)?;
     if weave.fibers() > MAX_FIBERS {
         let message = format!("the repeat has {} fibers; allowed: {MAX_FIBERS}", weave.fibers());
         return Err(value.error(message));
     }
     Ok(weave)
-}
-
-/// Rows from the first pick, which the file has last; each from the first end.
-fn read_draft(value: &Value) -> Result<Vec<Vec<bool>>> {
-    let what = "a list of texts of X (warp over weft) and . (under it), such as [\"X.\", \".X\"]";
-    let items = value.as_array().filter(|items| !items.is_empty()).ok_or_else(|| value.expected(what))?;
-    let mut rows: Vec<Vec<bool>> = Vec::new();
-    for item in items.iter().rev() {
-        let text = item.as_string().filter(|text| !text.is_empty()).ok_or_else(|| item.expected(what))?;
-        let row = text.chars().map(|mark| match mark {
-            'X' => Ok(true),
-            '.' => Ok(false),
-            _ => {
-                Err(item.error(format!("`{mark}` is no mark of a draft; allowed: X (warp over weft) and . (under it)")))
-            }
-        });
-        rows.push(row.collect::<Result<_>>()?);
-    }
-    for (item, row) in items.iter().rev().zip(&rows) {
-        if row.len() != rows[0].len() {
-            let (found, wanted) = (row.len(), rows[0].len());
-            return Err(item.error(format!("this row of the draft has {found} marks, but the last row has {wanted}")));
-        }
-    }
-    if rows.len() > MAX_THREADS || rows[0].len() > MAX_THREADS {
-        let (columns, count) = (rows[0].len(), rows.len());
-        let message = format!("the draft has {columns} ends and {count} picks; allowed: {MAX_THREADS} of each");
-        return Err(value.error(message));
-    }
-    Ok(rows)
-}
-
-/// Refuse a thread that lies on one side of all that it crosses.
-fn check_interlacing(value: &Value, draft: &[Vec<bool>]) -> Result<()> {
-    let complain = |thread: String, never: &str| {
-        let message = format!("{thread} never goes {never}: the cloth would fall apart");
-        Err(value.error(message))
-    };
-    for end in 0..draft[0].len() {
-        let mut marks = draft.iter().map(|row| row[end]);
-        let first = marks.next();
-        if marks.all(|mark| Some(mark) == first) {
-            let never = if first == Some(true) { "under a pick" } else { "over a pick" };
-            return complain(format!("end {} (column {} from the left)", end + 1, end + 1), never);
-        }
-    }
-    for (pick, row) in draft.iter().enumerate() {
-        if row.iter().all(|mark| *mark == row[0]) {
-            let never = if row[0] { "over an end" } else { "under an end" };
-            return complain(format!("pick {} (row {} from the bottom)", pick + 1, pick + 1), never);
-        }
-    }
-    Ok(())
-}
-
-/// Names of yarns, as indices.
-fn read_threads(value: &Value, yarns: &[Yarn]) -> Result<Vec<usize>> {
-    let what = "a list of names of yarns, such as [\"white\", \"blue\"]";
-    let items = value.as_array().filter(|items| !items.is_empty()).ok_or_else(|| value.expected(what))?;
-    let find = |item: &Value| {
-        let name = item.as_string().ok_or_else(|| item.expected("the name of a yarn"))?;
-        yarns.iter().position(|yarn| yarn.name == name).ok_or_else(|| {
-            let names: Vec<&str> = yarns.iter().map(|yarn| yarn.name.as_str()).collect();
-            let hint = closest(name, &names).map(|best| format!(", did you mean `{best}`?")).unwrap_or_default();
-            item.error(format!("there is no [yarn.{name}]{hint}; yarns: {}", names.join(", ")))
-        })
-    };
-    items.iter().map(find).collect()
 }
 
 /// Refuse threads that do not fit side by side.

@@ -1,6 +1,6 @@
 //! `[yarn.*]`.
 
-use super::reader::{Allowed, Table, Value};
+use super::reader::{Allowed, Table, Value, closest};
 use super::sheet::{Fiber, MAX_VOLUME_FRACTION, UM, find_fiber};
 use crate::error::Result;
 use std::f64::consts::PI;
@@ -98,6 +98,16 @@ pub(super) fn read_yarns(table: &Table, fibers: &[Fiber]) -> Result<Vec<Yarn>> {
         Err(_) => Err(value.expected("a table: [yarn.NAME] describes a yarn")),
     };
     table.entries().map(read).collect()
+}
+
+/// The index of the yarn that a value names.
+pub(super) fn find_yarn(item: &Value, yarns: &[Yarn]) -> Result<usize> {
+    let name = item.as_string().ok_or_else(|| item.expected("the name of a yarn"))?;
+    yarns.iter().position(|yarn| yarn.name == name).ok_or_else(|| {
+        let names: Vec<&str> = yarns.iter().map(|yarn| yarn.name.as_str()).collect();
+        let hint = closest(name, &names).map(|best| format!(", did you mean `{best}`?")).unwrap_or_default();
+        item.error(format!("there is no [yarn.{name}]{hint}; yarns: {}", names.join(", ")))
+    })
 }
 
 const KEYS: [&str; 8] =

@@ -19,7 +19,8 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
+    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, linen, lining, muslin, nonwoven,
+    /// sheer, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
@@ -183,7 +184,8 @@ fn describe(
     }
     if let Some(visible) = &prepared.tables.visible {
         let (n, percent) = (visible.n, 100.0 * visible.error);
-        lines.push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
+        lines
+            .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
     }
     lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
     if let Stop::Tolerance(tolerance) = stop {

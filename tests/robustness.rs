@@ -118,7 +118,7 @@ fn check_measured(place: &Place, channels: usize, sides: usize) {
 
 #[test]
 fn a_name_that_is_neither_file_nor_preset_is_refused_with_the_presets() {
-    let presets = "presets: charmeuse, denim, felt, nonwoven, voile";
+    let presets = "presets: charmeuse, denim, dimout, felt, gabardine, linen, lining, muslin, nonwoven, sheer, voile";
     for (cloth, message) in [
         ("nosuch.toml", format!("no cloth file or preset `nosuch.toml`; {presets}")),
         ("nonwovn", format!("no cloth file or preset `nonwovn`, did you mean `nonwoven`?; {presets}")),

@@ -319,12 +319,26 @@ fn warp_seen(cloth: &Cloth) -> [f64; 2] {
 
 #[test]
 fn presets_are_the_cloths_that_they_are_named_for() {
-    // Mass: voile 40 to 90 g/m² (unconfirmed), denim 6.5 to 15.5 oz/yd² (fibre2fashion.com/industry-article/5195), charmeuse
-    // 12 to 30 momme (la-promesse.com). Thickness in mm and openness: unconfirmed, wide.
+    // Mass in g/m², thickness in mm, openness by outlines. Thickness and openness: unconfirmed, wide.
     for (name, mass, thickness, openness) in [
-        ("voile", [40.0, 90.0], [0.15, 0.35], [0.3, 0.6]),
+        // 12 to 30 momme of 4.3056 g/m² (realsilk.madama.com.cn, coldposh.com).
+        ("charmeuse", [12.0 * 4.3056, 30.0 * 4.3056], [0.1, 0.25], [0.0, 0.03]),
+        // 6.5 to 15.5 oz/yd² (fibre2fashion.com/industry-article/5195).
         ("denim", [6.5 * 33.906, 15.5 * 33.906], [0.45, 1.0], [0.0, 0.06]),
-        ("charmeuse", [12.0 * 4.34, 30.0 * 4.34], [0.1, 0.25], [0.0, 0.08]),
+        // Unconfirmed.
+        ("dimout", [120.0, 320.0], [0.25, 0.6], [0.0, 0.01]),
+        // 8 to 14 oz a yard of cloth (lsmensclothing.com/gabardine), taken as 58 inches wide: 1 oz is 21.05 g/m².
+        ("gabardine", [8.0 * 21.05, 14.0 * 21.05], [0.35, 0.7], [0.0, 0.03]),
+        // 100 to 1000 g/m² (encyclopedia2.thefreedictionary.com, linen); cloth for clothes is light.
+        ("linen", [100.0, 250.0], [0.25, 0.6], [0.05, 0.25]),
+        // 60 to 75 g/m² (texsuppliers.com/what-is-210t-taffeta-fabric).
+        ("lining", [60.0, 75.0], [0.08, 0.16], [0.0, 0.03]),
+        // Unconfirmed.
+        ("muslin", [70.0, 160.0], [0.2, 0.45], [0.08, 0.3]),
+        // 30 to 50 g/m² (engineerfix.com/what-is-a-sheer-curtain-and-how-does-it-work).
+        ("sheer", [30.0, 50.0], [0.1, 0.25], [0.4, 0.7]),
+        // 40 to 90 g/m², unconfirmed.
+        ("voile", [40.0, 90.0], [0.15, 0.35], [0.3, 0.6]),
     ] {
         let cloth = preset(name);
         let figures = cloth.statistics();
@@ -333,13 +347,32 @@ fn presets_are_the_cloths_that_they_are_named_for() {
         assert!(within(cloth.thickness(), thickness), "{name}: {} mm", cloth.thickness());
         assert!(within(figures.openness, openness), "{name}: {figures:?}");
         assert!(figures.densest < 0.9, "{name}: {figures:?}");
+        assert!(figures.steepest.into_iter().all(|slope| slope < 47f64.to_radians()), "{name}: {figures:?}");
         assert!(figures.penetration.abs() < 1e-9);
     }
-    // The front of denim shows the blue warp, its back the weft; the same of charmeuse.
-    for (name, front, back) in [("denim", 0.65, 0.45), ("charmeuse", 0.7, 0.45)] {
+    // The front of denim shows the blue warp, its back the weft; the same of satins and, less so, of gabardine.
+    for (name, front, back) in
+        [("denim", 0.65, 0.45), ("charmeuse", 0.75, 0.4), ("dimout", 0.8, 0.25), ("gabardine", 0.6, 0.5)]
+    {
         let seen = warp_seen(&preset(name));
         assert!(seen[0] > front && seen[1] < back, "{name}: {seen:?}");
     }
-    let voile = warp_seen(&preset("voile"));
-    assert!((voile[0] - voile[1]).abs() < 0.01, "{voile:?}");
+    for name in ["linen", "lining", "muslin", "sheer", "voile"] {
+        let seen = warp_seen(&preset(name));
+        assert!((seen[0] - seen[1]).abs() < 0.01, "{name}: {seen:?}");
+    }
+    // Threads to the square inch: muslin 128 to 130 (Orlando Sentinel, 28 June 1986), linen 80 to 150
+    // (jeffbankssavilerow.com), lining 210 (texsuppliers.com).
+    for (name, least, most) in [("muslin", 128.0, 130.0), ("linen", 80.0, 150.0), ("lining", 209.5, 210.5)] {
+        let cloth = preset(name);
+        let threads = 25.4 / cloth.weave().end_spacing + 25.4 / cloth.weave().pick_spacing;
+        assert!((least..=most).contains(&threads), "{name}: {threads}");
+    }
+    // The diagonal of gabardine climbs at 63 degrees (simmis.net/news/gabardine-fabric), to the right on the front.
+    let cloth = preset("gabardine");
+    let weave = cloth.weave();
+    assert!(((weave.pick_spacing / weave.end_spacing).atan().to_degrees() - 63.0).abs() < 1.0);
+    for end in 0..3 {
+        assert!(!weave.warp_over(end, end), "the weft lies on top of end {end} at pick {end}");
+    }
 }

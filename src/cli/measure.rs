@@ -19,7 +19,8 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
+    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, linen, lining, muslin, nonwoven,
+    /// sheer, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]

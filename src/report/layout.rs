@@ -99,7 +99,7 @@ impl Layout {
 }
 
 /// Side of the stretch of cloth that is shown in mm: two repeats of the longer way, more of a small draft, one of a large.
-fn window(cloth: &Cloth) -> f64 {
+pub fn window(cloth: &Cloth) -> f64 {
     let weave = cloth.weave();
     let repeats = match weave.ends.len().max(weave.picks.len()) {
         0..=2 => 3.0,

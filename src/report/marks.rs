@@ -3,27 +3,27 @@
 use super::colour::Colour;
 use super::image::Image;
 use super::layout::{Layout, Panel};
+use super::text::Font;
 
 const INK: Colour = [0.03; 3];
 const FAINT: Colour = [0.25; 3];
 
 /// Draw a scale bar under a panel, a round length of at most a quarter of it, and say how long it is.
-pub fn scale_bar(image: &mut Image, layout: &Layout, panel: &Panel) {
+pub fn scale_bar(image: &mut Image, body: Font, margin: usize, panel: &Panel) {
     let most = panel.width as f64 / 4.0 / panel.per_mm;
     let decade = 10f64.powf(most.log10().floor());
     let length = [5.0, 2.0, 1.0].map(|times| times * decade).into_iter().find(|length| *length <= most);
     let length = length.unwrap_or(decade);
-    let thick = (layout.margin / 8).max(2);
+    let thick = (margin / 8).max(2);
     let width = (length * panel.per_mm).round() as usize;
-    let line = layout.line();
-    let top = panel.top + panel.height + (line - layout.body.height());
-    let middle = top + layout.body.height() / 2;
+    let top = panel.top + panel.height + (margin / 4).max(2);
+    let middle = top + body.height() / 2;
     image.fill([panel.left, middle - thick / 2, width, thick], INK);
     for end in [panel.left, panel.left + width - thick.min(width)] {
         image.fill([end, middle - 2 * thick, thick, 4 * thick], INK);
     }
     let text = format!("{} mm", round(length));
-    layout.body.write(image, [panel.left + width + layout.margin / 2, top], &text, INK);
+    body.write(image, [panel.left + width + margin / 2, top], &text, INK);
 }
 
 /// Mark z = 0 and the thickness of a cut: dashed lines through both, their names to the left.

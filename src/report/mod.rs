@@ -16,8 +16,8 @@ mod image;
 mod layout;
 mod marks;
 mod picture;
-
 mod shade;
+mod sheet;
 mod text;
 mod view;
 
@@ -26,4 +26,5 @@ pub use depth::{Depth, Seen};
 pub use image::Image;
 pub use layout::Panel;
 pub use picture::{Picture, WIDTHS, weave_picture};
+pub use sheet::contact_sheet;
 pub use view::Face;

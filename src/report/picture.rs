@@ -15,8 +15,8 @@ use std::ops::RangeInclusive;
 /// Widths that a picture may have, in pixels.
 pub const WIDTHS: RangeInclusive<usize> = 600..=3200;
 
-const PAPER: Colour = [1.0; 3];
-const INK: Colour = [0.03; 3];
+pub(super) const PAPER: Colour = [1.0; 3];
+pub(super) const INK: Colour = [0.03; 3];
 /// What is seen through openings: a chequered ground that no pile of fibers is like.
 const GROUND: [Colour; 2] = [[0.16, 0.24, 0.31], [0.21, 0.30, 0.38]];
 /// What lies around a cut.
@@ -62,7 +62,7 @@ pub fn weave_picture(cloth: &Cloth, scene: &Scene, width: usize) -> Picture {
     lay_face(&mut image, &layout.back, &shaded(&back), -(layout.back.width as i64));
     above(&mut image, &layout, &layout.front, "front");
     above(&mut image, &layout, &layout.back, "back, turned about the warp");
-    scale_bar(&mut image, &layout, &layout.front);
+    scale_bar(&mut image, layout.body, layout.margin, &layout.front);
 
     // The cuts.
     let names = ["cut along the warp, through the first end", "cut along the weft, through the first pick"];
@@ -78,7 +78,7 @@ pub fn weave_picture(cloth: &Cloth, scene: &Scene, width: usize) -> Picture {
         above(&mut image, &layout, panel, name);
         heights(&mut image, &layout, panel, cloth.thickness());
     }
-    scale_bar(&mut image, &layout, &layout.cuts[1]);
+    scale_bar(&mut image, layout.body, layout.margin, &layout.cuts[1]);
     Picture { image, front: layout.front, back: layout.back, cuts: layout.cuts, openness: front.openness() }
 }
 
@@ -101,7 +101,7 @@ fn buffers(cloth: &Cloth, layout: &Layout) -> [Depth; 4] {
 }
 
 /// Lay repeats of a face side by side over the chequered ground.
-fn lay_face(image: &mut Image, panel: &Panel, tile: &Tile, first: i64) {
+pub(super) fn lay_face(image: &mut Image, panel: &Panel, tile: &Tile, first: i64) {
     let check = (panel.width / 48).max(4);
     for row in 0..panel.height {
         for column in 0..panel.width {

@@ -1,11 +1,17 @@
 //! Cloth files that come with the program.
 
 /// Names and texts of the presets.
-pub const PRESETS: [(&str, &str); 5] = [
+pub const PRESETS: [(&str, &str); 11] = [
     ("charmeuse", include_str!("../../assets/cloths/charmeuse.toml")),
     ("denim", include_str!("../../assets/cloths/denim.toml")),
+    ("dimout", include_str!("../../assets/cloths/dimout.toml")),
     ("felt", include_str!("../../assets/cloths/felt.toml")),
+    ("gabardine", include_str!("../../assets/cloths/gabardine.toml")),
+    ("linen", include_str!("../../assets/cloths/linen.toml")),
+    ("lining", include_str!("../../assets/cloths/lining.toml")),
+    ("muslin", include_str!("../../assets/cloths/muslin.toml")),
     ("nonwoven", include_str!("../../assets/cloths/nonwoven.toml")),
+    ("sheer", include_str!("../../assets/cloths/sheer.toml")),
     ("voile", include_str!("../../assets/cloths/voile.toml")),
 ];
 

@@ -27,7 +27,7 @@ const TRIES: usize = 10_000;
 struct Loop {
     /// Number of the fiber in its yarn.
     strand: usize,
-    /// Length of the axis at its top in mm.
+    /// Length of the axis at its top in mm; it may lie beyond the ends of the fiber, where the loop is parted by the cut.
     at: f64,
     /// Height of its top over the yarn's surface in mm.
     height: f64,
@@ -42,8 +42,6 @@ pub struct LoopSet {
     loops: Vec<Loop>,
     /// Half of the length that a loop takes of the axis in mm.
     half: f64,
-    /// Length of the axis over a period in mm.
-    period: f64,
     /// Turn of the way out along the axis in radians per mm.
     twist: f64,
     /// Largest |d²(place)/ds²| of any loop in 1/mm.
@@ -62,22 +60,28 @@ impl LoopSet {
     ) -> LoopSet {
         let period = steps.length();
         let half = loops.span.min(period) / 2.0;
-        let mut set =
-            LoopSet { half, period, twist: section.surface_twist(), bend: bend(loops, section, half), ..LoopSet::default() };
+        let twist = section.surface_twist();
+        let mut set = LoopSet { loops: Vec::new(), half, twist, bend: bend(loops, section, half) };
         let mut taken: HashMap<usize, Vec<f64>> = HashMap::new();
+        // The distance of two places round the period.
+        let apart = |a: f64, b: f64| ((a - b + period / 2.0).rem_euclid(period) - period / 2.0).abs();
         for _ in 0..number(loops.per_mm * period, rng) {
             let mut place = (0, start);
             for _ in 0..TRIES {
                 place = (rng.random_range(0..strands.len()), start + period * rng.random::<f64>());
-                let clear = |at: &f64| set.apart(place.1, *at).abs() >= 2.0 * half;
+                let clear = |at: &f64| apart(place.1, *at) >= 2.0 * half;
                 if taken.get(&place.0).is_none_or(|others| others.iter().all(clear)) {
                     break;
                 }
             }
             let (strand, at) = place;
             taken.entry(strand).or_default().push(at);
-            let angle = section.disc(&strands[strand], at).to_angle();
-            set.loops.push(Loop { strand, at, height: draw(&loops.height, rng), angle });
+            let height = draw(&loops.height, rng);
+            // What lies beyond the cut comes back at the other end.
+            let images = [at - period, at, at + period].into_iter();
+            for at in images.filter(|at| at + half > start && at - half < start + period) {
+                set.loops.push(Loop { strand, at, height, angle: section.disc(&strands[strand], at).to_angle() });
+            }
         }
         set.loops.sort_by_key(|one| one.strand);
         set
@@ -91,9 +95,9 @@ impl LoopSet {
 
     /// Where a fiber with these loops lies at a length of the axis if it would lie at `inside` without them.
     pub fn lead_out(&self, loops: &Range<usize>, section: &Section, kind: usize, length: f64, inside: DVec2) -> DVec2 {
-        let near = |one: &&Loop| self.apart(length, one.at).abs() < self.half;
+        let near = |one: &&Loop| (length - one.at).abs() < self.half;
         let Some(one) = self.loops[loops.clone()].iter().find(near) else { return inside };
-        let off = self.apart(length, one.at);
+        let off = length - one.at;
         let share = (1.0 + (PI * off / self.half).cos()) / 2.0;
         // Between a point inside and one at the height h the fiber is at most as high as its share of h.
         inside.lerp(section.rim(kind).point(one.angle + self.twist * off, one.height), share)
@@ -101,17 +105,8 @@ impl LoopSet {
 
     /// Parts that a piece between two lengths of the axis must be cut into.
     pub fn parts(&self, loops: &Range<usize>, steps: &Steps, from: f64, to: f64) -> u32 {
-        let reach = self.half + (to - from);
-        if self.loops[loops.clone()].iter().any(|one| self.apart(from, one.at).abs() < reach) {
-            steps.parts(to - from, self.bend)
-        } else {
-            1
-        }
-    }
-
-    /// The way from one length of the axis to another, round the period.
-    fn apart(&self, to: f64, from: f64) -> f64 {
-        (to - from + self.period / 2.0).rem_euclid(self.period) - self.period / 2.0
+        let meets = |one: &Loop| one.at + self.half > from && one.at - self.half < to;
+        if self.loops[loops.clone()].iter().any(meets) { steps.parts(to - from, self.bend) } else { 1 }
     }
 }
 

@@ -2,7 +2,7 @@
 //! models for realistic cloth rendering", ACM Trans. Graph. 35(4), 2016.
 
 use super::reader::{Allowed, Table, Value};
-use super::sheet::UM;
+use super::sheet::{Fiber, MAX_VOLUME_FRACTION, UM};
 use super::yarn::Yarn;
 use crate::error::Result;
 
@@ -14,9 +14,9 @@ const MOST_LOOPED: f64 = 0.25;
 const PER_MM: Allowed = Allowed::from(0.0, 1000.0);
 /// Lengths and heights in µm.
 const LENGTH: Allowed = Allowed::above(0.0, 10_000.0);
-/// How steeply hairs rise where the file does not say, in degrees. A yarn that Zhao et al. fitted (its hairs go out by
-/// 0.0167 ± 0.0095, along the yarn by 0.002 ± 0.063 and round it by 0.39 rad at 0.020 to 0.037) has a median of 26°.
-const RISE: [f64; 2] = [25.0, 10.0];
+/// How steeply hairs rise where the file does not say, in degrees: those of the yarn whose numbers Zhao et al. ship as an
+/// example have a median of 24°, two thirds of them between 11° and 46°.
+const RISE: [f64; 2] = [25.0, 15.0];
 
 /// A fiber's distance from the centre of its ply swings along the yarn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,23 +94,54 @@ impl Flyaways {
 }
 
 /// Read `migration` of a yarn whose twist is known.
-pub(super) fn read_migration(value: &Value, yarn: &Yarn) -> Result<Migration> {
+pub(super) fn read_migration(value: &Value, yarn: &Yarn, fibers: &[Fiber]) -> Result<Migration> {
     let example = "a table such as { radius = [0.2, 1.0], periods_per_turn = 1.0 }";
     let table = value.table().map_err(|_| value.expected(example))?;
     table.expect_keys(&["radius", "periods_per_turn"], &[])?;
     let place = table.require("radius")?;
     let share = Allowed::from(0.0, 1.0);
-    let what = "two numbers from 0 to 1: the smallest and the largest share of a fiber's distance from its ply's centre";
+    let what = "two numbers from 0 to 1, ascending: shares of a fiber's distance from its ply's centre";
     let radius = pair(&place, what, [share, share])?;
     if radius[0] > radius[1] {
         return Err(place.expected(what));
     }
     let periods_per_turn = table.require("periods_per_turn")?.number(Allowed::above(0.0, 100.0))?;
     if yarn.ply_twist == 0.0 {
-        let message = "fibers migrate so many times a turn about their ply, and they do not turn; give `ply_twist_per_m`";
+        let message =
+            "fibers migrate so many times a turn about their ply, and they do not turn; give `ply_twist_per_m`";
         return Err(value.error(message));
     }
-    Ok(Migration { radius, periods_per_turn })
+    let migration = Migration { radius, periods_per_turn };
+    let crowded = crowding(&migration, yarn, fibers);
+    if yarn.fibers() > 1 && crowded > MAX_VOLUME_FRACTION {
+        let message = format!(
+            "fibers that come as near to their ply's centre as {} of their distance crowd there and fill {crowded:.2}, but \
+             at most {MAX_VOLUME_FRACTION} is possible: raise the smallest share of `radius` or lower `fibers_per_ply`",
+            radius[0]
+        );
+        return Err(place.error(message));
+    }
+    Ok(migration)
+}
+
+/// Share of the middle of a ply that is fiber, within two fiber radii of its centre: what migrates there besides what lies
+/// there.
+fn crowding(migration: &Migration, yarn: &Yarn, fibers: &[Fiber]) -> f64 {
+    const RINGS: u32 = 1000;
+    const PHASES: u32 = 64;
+    let thickest = yarn.blend.iter().map(|&(kind, _)| fibers[kind].radius).fold(0.0, f64::max);
+    let near = (2.0 * thickest / (yarn.ply_radius() * yarn.width.min(yarn.height) / 2.0)).min(1.0);
+    // Rings of equal area, and how many fibers have their distance in them.
+    let middle = |ring: u32| ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt();
+    let density = |r: f64| yarn.radial_profile.map_or(1.0, |profile| profile.density(r));
+    let (mut all, mut here) = (0.0, 0.0);
+    for r in (0..RINGS).map(middle) {
+        let phase = |step: u32| (f64::from(step) + 0.5) / f64::from(PHASES) * std::f64::consts::PI;
+        let comes = (0..PHASES).filter(|step| r * migration.share(phase(*step)) < near).count();
+        all += density(r);
+        here += density(r) * comes as f64 / f64::from(PHASES);
+    }
+    yarn.packing(fibers) * here / all / (near * near)
 }
 
 /// Read `flyaways` of a yarn whose twist and migration are known.

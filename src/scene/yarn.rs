@@ -158,11 +158,12 @@ fn read_yarn(name: &str, table: &Table, fibers: &[Fiber]) -> Result<Yarn> {
         (yarn.ply_twist, yarn.twist) = (yarn.twist, 0.0);
     }
     check_room(&yarn, table, fibers)?;
-    yarn.migration = table.get("migration").map(|value| read_migration(&value, &yarn)).transpose()?;
+    yarn.migration = table.get("migration").map(|value| read_migration(&value, &yarn, fibers)).transpose()?;
     if let Some(value) = table.get("flyaways") {
         let thickest = yarn.blend.iter().map(|&(kind, _)| 2.0 * fibers[kind].radius).fold(0.0, f64::max);
         if yarn.width.min(yarn.height) < 2.0 * thickest {
-            let message = "hairs and loops leave a bundle: the yarn must be at least twice as wide and high as its fibers";
+            let message =
+                "hairs and loops leave a bundle: the yarn must be at least twice as wide and high as its fibers";
             return Err(value.error(message));
         }
         yarn.flyaways = Some(read_flyaways(&value, &yarn)?);

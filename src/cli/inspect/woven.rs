@@ -3,8 +3,8 @@
 use super::super::{one_line, print};
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
-use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::cloth::{Cloth, Statistics};
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::report::weave_picture;
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Yarn};

@@ -17,7 +17,8 @@
 //!
 //! # Floors
 //! Data flows down once: [`scene`] → [`cloth`], of a weave → [`distribution`] → [`tables`], [`goniometer`] → an engine
-//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it. No module imports one from a later floor,
+//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, and [`export`] writes the
+//! fibers of a cloth for other programs. No module imports one from a later floor,
 //! and the engines do not know of each other.
 
 pub mod bsdf;
@@ -25,6 +26,7 @@ pub mod cloth;
 pub mod concentric;
 pub mod distribution;
 pub mod error;
+pub mod export;
 pub mod goniometer;
 pub mod gpu;
 pub mod measure;

@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["bsdf"],
     &["measure"],
     &["results"],
-    &["report"],
+    &["report", "export"],
     &["cli", "main", "lib"],
 ];
 

@@ -133,8 +133,7 @@ fn threads_are_known_yarns_that_fit_side_by_side() {
 
 #[test]
 fn fibers_fit_into_their_yarns() {
-    let keys =
-        "allowed: fiber, plies, fibers_per_ply, width_um, height_um, ply_twist_per_m, twist_per_m, radial_profile";
+    let keys = "allowed: fiber, plies, fibers_per_ply, width_um, height_um, ply_twist_per_m, twist_per_m, radial_profile, migration, flyaways";
     let blend = "but must be the name of a fiber, or a table such as { cotton = 0.6, viscose = 0.4 }";
     let few = "but must be a whole number from 1 to 100000";
     let a = "width_um = 400\nheight_um = 300";
@@ -204,8 +203,6 @@ fn fibers_fit_into_their_yarns() {
             &format!("{a}\ntwist_per_m = 5\nply_twist_per_m = 5"),
             "9:15: in a yarn of one ply `twist_per_m` and `ply_twist_per_m` say the same thing; give one of them",
         ),
-        (a, &format!("{a}\nmigration = {{}}"), "9:1: `migration` is not available yet"),
-        (a, &format!("{a}\nflyaways = {{}}"), "9:1: `flyaways` is not available yet"),
         (
             a,
             &format!("{a}\nradial_profile = 3"),
@@ -217,6 +214,74 @@ fn fibers_fit_into_their_yarns() {
             "9:26: `yarn.a.radial_profile.eps` is 0.6, but must be a number from 0 to 0.5",
         ),
         (a, &format!("{a}\nradial_profile = {{ eps = 0 }}"), "9:18: [yarn.a.radial_profile] needs `beta`"),
+    ]);
+}
+
+#[test]
+fn migration_and_flyaways_are_possible() {
+    let a = "width_um = 400\nheight_um = 300";
+    let twisted = "width_um = 400\nheight_um = 300\nply_twist_per_m = 500";
+    let migration = "a table such as { radius = [0.2, 1.0], periods_per_turn = 1.0 }";
+    let shares = "two numbers from 0 to 1, ascending: shares of a fiber's distance from its ply's centre";
+    let flyaways = "a table such as { hairs_per_mm = 3.0, hair_length_um = [600, 200] }";
+    let lengths = "two numbers, the mean (above 0) and the standard deviation, of at most 10000 µm";
+    let refuse_line = |line: &str, message: &str| {
+        refuse(&[(a, &format!("{twisted}\n{line}"), message)]);
+    };
+    refuse_line("migration = 3", &format!("10:13: `yarn.a.migration` is 3, but must be {migration}"));
+    refuse_line("migration = { radius = [0.5, 1] }", "10:13: [yarn.a.migration] needs `periods_per_turn`");
+    refuse_line(
+        "migration = { radius = [0.5, 0.4], periods_per_turn = 1 }",
+        &format!("10:24: `yarn.a.migration.radius` is [0.5, 0.4], but must be {shares}"),
+    );
+    refuse_line(
+        "migration = { radius = [0.5, 1.2], periods_per_turn = 1 }",
+        &format!("10:24: `yarn.a.migration.radius` is [0.5, 1.2], but must be {shares}"),
+    );
+    refuse_line(
+        "migration = { radius = [0.5, 1], periods_per_turn = 0 }",
+        "10:53: `yarn.a.migration.periods_per_turn` is 0, but must be a number above 0 and at most 100",
+    );
+    // 50 fibers of 12 µm fill 0.06 of the yarn; at (1 + s)/2 ± (1 − s)/2 of its distance the mean of 1/g² is
+    // (1 + s)/2 / s^1.5 = 17.39 for s = 0.1: 1.04.
+    refuse_line(
+        "migration = { radius = [0.1, 1], periods_per_turn = 1 }",
+        "10:24: fibers that come as near to their ply's centre as 0.1 of their distance crowd there and fill 1.04, but at \
+         most 0.9 is possible: raise the smallest share of `radius` or lower `fibers_per_ply`",
+    );
+    refuse(&[(
+        a,
+        &format!("{a}\nmigration = {{ radius = [0.5, 1], periods_per_turn = 1 }}"),
+        "9:13: fibers migrate so many times a turn about their ply, and they do not turn; give `ply_twist_per_m`",
+    )]);
+    refuse_line("flyaways = {}", &format!("10:12: `yarn.a.flyaways` is a table, but must be {flyaways}"));
+    refuse_line("flyaways = { hairs_per_mm = 3 }", "10:12: [yarn.a.flyaways] needs `hair_length_um`");
+    refuse_line("flyaways = { loop_height_um = [80, 30] }", "10:12: [yarn.a.flyaways] needs `loops_per_mm`");
+    refuse_line(
+        "flyaways = { hairs_per_mm = 3, hair_length_um = 600 }",
+        &format!("10:49: `yarn.a.flyaways.hair_length_um` is 600, but must be {lengths}"),
+    );
+    refuse_line(
+        "flyaways = { hairs_per_mm = -1, hair_length_um = [600, 200] }",
+        "10:29: `yarn.a.flyaways.hairs_per_mm` is -1, but must be a number from 0 to 1000",
+    );
+    refuse_line(
+        "flyaways = { loops_per_mm = 8, loop_height_um = [80, 30] }",
+        "10:29: 8 loops on a mm, each 2.000 mm long, take more than a quarter of the yarn's 50 fibers; allowed: 6.250 on \
+         a mm",
+    );
+    refuse(&[
+        (
+            a,
+            &format!("{a}\nflyaways = {{ loops_per_mm = 1, loop_height_um = [80, 30] }}"),
+            "9:12: a loop goes once round its ply where `loop_span_um` does not say how far it goes, and the fibers of this \
+             yarn have no twist; give `loop_span_um`",
+        ),
+        (
+            "fibers_per_ply = 50\nwidth_um = 400\nheight_um = 300",
+            "fibers_per_ply = 1\nwidth_um = 400\nheight_um = 20\nflyaways = { hairs_per_mm = 1, hair_length_um = [80, 30] }",
+            "9:12: hairs and loops leave a bundle: the yarn must be at least twice as wide and high as its fibers",
+        ),
     ]);
 }
 

@@ -59,10 +59,10 @@ install_packages() {
 }
 
 venv_works() {
-    "$VENV/bin/python" -c 'import OpenEXR, numpy; OpenEXR.File' >/dev/null 2>&1
+    "$VENV/bin/python" -c 'import OpenEXR, numpy, mitsuba; OpenEXR.File' >/dev/null 2>&1
 }
 
-# Make the Python environment that reads OpenEXR files.
+# Make the Python environment that reads OpenEXR files and curves.
 make_venv() {
     local python=python3
     rm -rf "$VENV"
@@ -73,12 +73,12 @@ make_venv() {
         rm -rf "$VENV"
         "$python" -m venv "$VENV" >>"$LOG" 2>&1 || fail "$python cannot make $VENV; its output is in $LOG"
     fi
-    echo "setup: installing the wheels OpenEXR and numpy into $VENV"
-    "$VENV/bin/python" -m pip install --quiet --only-binary :all: 'OpenEXR>=3.3,<4' numpy </dev/null >>"$LOG" 2>&1 || {
+    echo "setup: installing the wheels OpenEXR, numpy and mitsuba into $VENV"
+    "$VENV/bin/python" -m pip install --quiet --only-binary :all: 'OpenEXR>=3.3,<4' numpy 'mitsuba>=3.5,<4' </dev/null >>"$LOG" 2>&1 || {
         tail -n 20 "$LOG" >&2
-        fail "pip could not install OpenEXR and numpy; its output is in $LOG"
+        fail "pip could not install OpenEXR, numpy and mitsuba; its output is in $LOG"
     }
-    venv_works || fail "OpenEXR and numpy were installed into $VENV, but do not load"
+    venv_works || fail "OpenEXR, numpy and mitsuba were installed into $VENV, but do not load"
 }
 
 check_rust

@@ -3,6 +3,7 @@
 //! Results go to stdout, all else to stderr.
 
 mod compare;
+mod curves;
 mod engines;
 mod inspect;
 mod measure;
@@ -29,6 +30,7 @@ enum Command {
     Measure(Box<measure::Arguments>),
     Inspect(inspect::Arguments),
     Compare(compare::Arguments),
+    Curves(curves::Arguments),
     Engines(engines::Arguments),
     New(new::Arguments),
 }
@@ -39,6 +41,7 @@ pub fn run() -> Result<()> {
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Curves(arguments) => curves::run(&arguments),
         Command::Engines(arguments) => engines::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
     }

@@ -15,17 +15,21 @@
 //!   between two yarns has a closed form, and yarns touch without running through each other
 //!   ([`Cloth::largest_penetration`]). The limit: sections do not change from place to place, and where a yarn climbs
 //!   steeply its fibers are packed closer by the same factor ([`Statistics::steepest`]).
-//! - Fibers fill their plies at random and independently (Zhao, Luan, Bala 2016, without migration), so they may
-//!   overlap. Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random
+//! - Fibers fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),
+//!   so they may overlap. Hairs and loops follow the bends of their yarn; nothing keeps them out of other yarns. Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random
 //!   place, and there its fibers jump.
 
+mod curves;
+mod flyaways;
 mod path;
 mod realization;
+mod rim;
 mod section;
 mod statistics;
 mod steps;
 mod woven;
 
+pub use curves::Curve;
 pub use realization::Primitive;
 pub use statistics::Statistics;
 pub use woven::{Cloth, System, Thread};

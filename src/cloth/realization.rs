@@ -1,9 +1,8 @@
 //! One random draw of all fibers, as straight pieces.
 
-use super::woven::{Cloth, System, Thread};
-use glam::{DVec2, DVec3};
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
+use super::curves::Curve;
+use super::woven::Cloth;
+use glam::DVec3;
 
 /// A straight piece of a fiber; lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,42 +33,16 @@ impl Cloth {
 
     /// Draw the fibers of one thread, the same as in [`Cloth::realize`]; pieces of a fiber follow each other.
     pub fn realize_thread(&self, seed: u64, number: u64, thread: usize, take: &mut dyn FnMut(Primitive)) {
-        let place = &self.threads()[thread];
-        let (section, steps) = (self.section(place), self.steps(place));
-        let mut rng = generator(seed, number, thread);
-        let strands = section.draw(&mut rng);
-        // Cut the thread at one place, since its twist need not close over the period.
-        let cut = rng.random::<f64>() * steps.pieces;
-        for strand in &strands {
-            let radius = section.radius(strand.kind);
-            let corner = |pieces: f64| {
-                let station = steps.at(pieces);
-                self.point(place, station.along, station.height, section.place(strand, station.length))
-            };
-            // Shift the corners of each fiber, so that their pieces do not end side by side.
-            let first = rng.random::<f64>();
-            let inner = (0..).map(|step| first + f64::from(step)).take_while(|pieces| *pieces < steps.pieces);
-            let mut last = corner(cut);
-            for pieces in inner.chain([steps.pieces]) {
-                let next = corner(cut + pieces);
+        self.draw_thread(seed, number, thread, &mut |curve: &Curve| {
+            for ends in curve.points.windows(2) {
+                let [last, next] = [ends[0], ends[1]];
                 let (along, length) = (next - last, next.distance(last));
                 if length > 0.0 {
-                    let centre = self.wrap((last + next) / 2.0);
-                    take(Primitive { centre, direction: along / length, length, radius, kind: strand.kind, thread });
+                    let (centre, direction) = (self.wrap((last + next) / 2.0), along / length);
+                    take(Primitive { centre, direction, length, radius: curve.radius, kind: curve.kind, thread });
                 }
-                last = next;
             }
-        }
-    }
-
-    /// The point of a thread at a distance along its direction, off its axis by `place` (left, up).
-    fn point(&self, thread: &Thread, along: f64, height: f64, place: DVec2) -> DVec3 {
-        let z = height + place.y;
-        // Left is up × the thread's direction.
-        match thread.system {
-            System::Warp => DVec3::new(thread.at - place.x, along, z),
-            System::Weft => DVec3::new(along, thread.at + place.x, z),
-        }
+        });
     }
 
     /// The image of a point inside the repeat.
@@ -80,14 +53,4 @@ impl Cloth {
         };
         DVec3::new(wrap(point.x, self.period().x), wrap(point.y, self.period().y), point.z)
     }
-}
-
-/// Random numbers of one thread of one draw.
-fn generator(seed: u64, number: u64, thread: usize) -> ChaCha8Rng {
-    let mut key = [0; 32];
-    key[..8].copy_from_slice(&seed.to_le_bytes());
-    key[8..16].copy_from_slice(&number.to_le_bytes());
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(thread as u64);
-    rng
 }

@@ -1,6 +1,7 @@
 //! Places of fibers in the section of a yarn.
 
-use crate::scene::{Fiber, Yarn};
+use super::rim::Rim;
+use crate::scene::{Fiber, Flyaways, Yarn};
 use glam::DVec2;
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
@@ -13,10 +14,12 @@ pub struct Strand {
     pub kind: usize,
     /// Azimuth of its ply's centre where the yarn starts, in radians.
     ply: f64,
-    /// Distance from its ply's centre.
+    /// Distance from its ply's centre; of a fiber that migrates, the one that its shares are of.
     radius: f64,
     /// Azimuth about its ply's centre where the yarn starts, in radians.
     azimuth: f64,
+    /// Phase of its migration where the yarn starts, in radians.
+    phase: f64,
 }
 
 /// The section of a yarn; lengths in mm, twists in radians per mm.
@@ -43,14 +46,56 @@ impl Section {
 
     /// Radius of the thinnest fiber in mm.
     pub fn thinnest(&self) -> f64 {
-        self.yarn.blend.iter().map(|&(kind, _)| self.radii[kind]).fold(f64::INFINITY, f64::min)
+        self.radii[self.thinnest_kind()]
+    }
+
+    /// The kind of the thinnest fiber.
+    pub fn thinnest_kind(&self) -> usize {
+        let kinds = self.yarn.blend.iter().map(|&(kind, _)| kind);
+        kinds.min_by(|&a, &b| self.radii[a].total_cmp(&self.radii[b])).unwrap_or_default()
+    }
+
+    /// Fibers outside of the section, if there are any.
+    pub fn flyaways(&self) -> Option<&Flyaways> {
+        self.yarn.flyaways.as_ref()
+    }
+
+    /// The ellipse of the outermost fibers of a kind.
+    pub fn rim(&self, kind: usize) -> Rim {
+        Rim { half: self.inside(kind) }
+    }
+
+    /// Turns of the outermost fibers about the yarn per mm, in radians.
+    pub fn surface_twist(&self) -> f64 {
+        TAU * ((1.0 - self.ply_radius) * self.yarn.twist + self.ply_radius * self.yarn.ply_twist)
+    }
+
+    /// Largest |d(place)/ds| of any fiber.
+    pub fn drift(&self) -> f64 {
+        let (ply, own) = (TAU * self.yarn.twist.abs(), TAU * self.yarn.ply_twist.abs());
+        let [swing, rate] = self.swing();
+        self.largest() * ((1.0 - self.ply_radius) * ply + self.ply_radius * (own + swing * rate))
     }
 
     /// Largest |d²(place)/ds²| of any fiber in 1/mm.
     pub fn bend(&self) -> f64 {
-        let largest = self.yarn.width.max(self.yarn.height) / 2.0 - self.thinnest();
         let (ply, own) = ((TAU * self.yarn.twist).powi(2), (TAU * self.yarn.ply_twist).powi(2));
-        largest.max(0.0) * ((1.0 - self.ply_radius) * ply + self.ply_radius * own)
+        // Of r e^{iws} (m + a cos ks) it is at most r (m w² + a ((w + k)² + (w − k)²)/2) = r ((m + a) w² + a k²).
+        let [swing, rate] = self.swing();
+        self.largest() * ((1.0 - self.ply_radius) * ply + self.ply_radius * (own + swing * rate.powi(2)))
+    }
+
+    /// Largest distance of an axis from the middle of the yarn in mm.
+    fn largest(&self) -> f64 {
+        (self.yarn.width.max(self.yarn.height) / 2.0 - self.thinnest()).max(0.0)
+    }
+
+    /// Amplitude of the migration in shares of the fiber's distance from its ply's centre, and its rate in radians per mm.
+    fn swing(&self) -> [f64; 2] {
+        self.yarn.migration.map_or([0.0; 2], |migration| {
+            let [low, high] = migration.radius;
+            [(high - low) / 2.0, TAU * self.yarn.ply_twist.abs() * migration.periods_per_turn]
+        })
     }
 
     /// Draw the places of all fibers.
@@ -65,7 +110,10 @@ impl Section {
         let strand = |(place, kind): (usize, usize)| {
             let turn = (place / per_ply) as f64 / f64::from(self.yarn.plies);
             let radius = self.ply_radius * self.draw_radius(rng);
-            Strand { kind, ply: phase + TAU * turn, radius, azimuth: TAU * rng.random::<f64>() }
+            let azimuth = TAU * rng.random::<f64>();
+            // A yarn without migration takes no number for it.
+            let swing = self.yarn.migration.map_or(0.0, |_| TAU * rng.random::<f64>());
+            Strand { kind, ply: phase + TAU * turn, radius, azimuth, phase: swing }
         };
         kinds.into_iter().enumerate().map(strand).collect()
     }
@@ -81,13 +129,36 @@ impl Section {
         }
     }
 
+    /// A kind of fiber, by its share of the number of fibers.
+    pub fn draw_kind(&self, rng: &mut impl Rng) -> usize {
+        let mut left = rng.random::<f64>();
+        let blend = &self.yarn.blend;
+        let drawn = blend.iter().find(|(_, share)| {
+            left -= share;
+            left < 0.0
+        });
+        drawn.or(blend.last()).map_or(0, |(kind, _)| *kind)
+    }
+
     /// Place of a fiber in the section after a length of yarn, in mm: (left, up) for one who looks along the thread;
     /// left × up is its direction, so a positive twist makes a right-handed helix.
     pub fn place(&self, strand: &Strand, length: f64) -> DVec2 {
+        self.inside(strand.kind) * self.disc(strand, length)
+    }
+
+    /// Place of a fiber in the unit disc after a length of yarn.
+    pub fn disc(&self, strand: &Strand, length: f64) -> DVec2 {
         let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length);
-        let own = strand.radius * DVec2::from_angle(strand.azimuth + TAU * self.yarn.ply_twist * length);
-        // The disc becomes the ellipse that keeps the fiber's surface inside.
-        let inside = DVec2::new(self.yarn.width, self.yarn.height) / 2.0 - self.radii[strand.kind];
-        inside.max(DVec2::ZERO) * (ply + own)
+        let turned = TAU * self.yarn.ply_twist * length;
+        let radius = match &self.yarn.migration {
+            None => strand.radius,
+            Some(migration) => strand.radius * migration.share(strand.phase + migration.periods_per_turn * turned),
+        };
+        ply + radius * DVec2::from_angle(strand.azimuth + turned)
+    }
+
+    /// Semi-axes of the ellipse that the disc becomes: it keeps the surface of a fiber of this kind inside.
+    fn inside(&self, kind: usize) -> DVec2 {
+        (DVec2::new(self.yarn.width, self.yarn.height) / 2.0 - self.radii[kind]).max(DVec2::ZERO)
     }
 }

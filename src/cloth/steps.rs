@@ -9,6 +9,8 @@ const PARTS: usize = 24;
 /// Sagitta of a piece in radii of the fiber at most. Between the corners of the table the axis is straight, which adds up
 /// to a sixteenth of it.
 const SAGITTA: f64 = 0.09;
+/// Most parts of a piece that bends more than all others.
+const MOST_PARTS: f64 = 1e3;
 /// Radians that a fiber turns in a piece, about.
 const TURN: f64 = 0.15;
 /// Step lengths along the axis differ by no more than this times their distance.
@@ -33,6 +35,8 @@ pub struct Station {
 pub struct Steps {
     /// Pieces of a period; not a whole number.
     pub pieces: f64,
+    /// What limited their lengths.
+    limits: Limits,
     /// Points at equal distances in pieces, from 0 to `pieces`.
     stations: Vec<Station>,
 }
@@ -92,7 +96,48 @@ impl Steps {
         let first = stations[0];
         stations.resize(wanted, Station { length, along: first.along + path.period, ..first });
         stations.push(Station { length, along: first.along + path.period, ..first });
-        Some(Steps { pieces, stations })
+        Some(Steps { pieces, limits: *limits, stations })
+    }
+
+    /// Length of the axis over a period in mm.
+    pub fn length(&self) -> f64 {
+        self.stations[self.stations.len() - 1].length
+    }
+
+    /// The point of the axis at a length in mm, of any period, and the length of a piece there.
+    pub fn at_length(&self, length: f64) -> (Station, f64) {
+        let intervals = self.stations.len() - 1;
+        let last = self.stations[intervals];
+        let turn = (length / last.length).floor();
+        let rest = length - turn * last.length;
+        let index = self.stations.partition_point(|station| station.length <= rest).clamp(1, intervals) - 1;
+        let (a, b) = (self.stations[index], self.stations[index + 1]);
+        let apart = b.length - a.length;
+        let fraction = if apart > 0.0 { ((rest - a.length) / apart).clamp(0.0, 1.0) } else { 0.0 };
+        let station = Station {
+            length,
+            along: a.along + (b.along - a.along) * fraction + turn * (last.along - self.stations[0].along),
+            height: a.height + (b.height - a.height) * fraction,
+        };
+        let piece = if apart > 0.0 { apart * intervals as f64 } else { last.length };
+        (station, piece / self.pieces)
+    }
+
+    /// Parts that a piece of some length must be cut into when its fiber bends by |d²(place)/ds²| more than all fibers do.
+    pub fn parts(&self, length: f64, bend: f64) -> u32 {
+        // The sagitta and the turn of the piece without the bend are within their limits.
+        let sagitta = (1.0 + bend * length * length / (8.0 * SAGITTA * self.limits.radius)).sqrt();
+        let turn = 1.0 + bend * length / TURN;
+        sagitta.max(turn).ceil().min(MOST_PARTS) as u32
+    }
+
+    /// Length of a step of a fiber that goes the share `along` of its way along the axis, where pieces are `piece` long, and
+    /// bends by `bend` in 1/mm besides.
+    pub fn step(&self, piece: f64, along: f64, bend: f64) -> f64 {
+        let straight = along.abs() / piece;
+        let sagitta = straight.powi(2) + bend / (8.0 * SAGITTA * self.limits.radius);
+        let turn = straight + bend / TURN;
+        (1.0 / sagitta.sqrt().max(turn)).min(self.limits.longest)
     }
 
     /// The point of the axis after so many pieces, from 0 to twice [`Steps::pieces`]; past the period it goes on.

@@ -1,5 +1,6 @@
 //! The woven cloth: where its threads lie.
 
+use super::flyaways::loose_pieces;
 use super::path::{Crossing, Path};
 use super::section::Section;
 use super::steps::{Limits, Steps};
@@ -107,7 +108,7 @@ impl Cloth {
                     self.paths.len() - 1
                 }
             };
-            left -= fibers * (self.paths[path].1.pieces + 1.0);
+            left -= fibers * (self.paths[path].1.pieces + 1.0) + loose_pieces(&self.sections[own], &self.paths[path].1);
             self.threads.push(Thread { system, index, yarn: own, at: (index as f64 + 0.5) * spacing, path });
         }
         (left >= 0.0).then_some(())
@@ -123,7 +124,8 @@ impl Cloth {
         self.period.extend(self.thickness)
     }
 
-    /// Distance between the highest and the lowest point of any yarn in mm.
+    /// Distance between the highest and the lowest point that any fiber reaches in mm: of the yarns, or of hairs and loops
+    /// that are as high as they can be.
     pub fn thickness(&self) -> f64 {
         self.thickness
     }
@@ -183,7 +185,10 @@ impl Cloth {
     }
 
     fn pieces(&self) -> f64 {
-        let of_thread = |thread: &Thread| self.yarn(thread).fibers() as f64 * (self.steps(thread).pieces + 1.0);
+        let of_thread = |thread: &Thread| {
+            let regular = self.yarn(thread).fibers() as f64 * (self.steps(thread).pieces + 1.0);
+            regular + loose_pieces(self.section(thread), self.steps(thread))
+        };
         self.threads.iter().map(of_thread).sum()
     }
 
@@ -222,7 +227,8 @@ fn crossing_height(weave: &Weave, system: System, own: usize, over: bool, other:
     if over { share * apart } else { -share * apart }
 }
 
-/// Lowest and highest point of any yarn, from the middle of the crossings: an axis is highest and lowest over a crossing.
+/// Lowest and highest point that any fiber reaches, from the middle of the crossings: an axis is highest and lowest over a
+/// crossing, and hairs and loops reach as far from their yarn as they can.
 fn extent(weave: &Weave) -> [f64; 2] {
     let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
     let ends = weave.ends.iter().enumerate().map(|(index, &own)| (System::Warp, index, own));
@@ -230,7 +236,7 @@ fn extent(weave: &Weave) -> [f64; 2] {
     for (system, index, own) in ends.chain(picks) {
         for (over, other) in crossed(weave, system, index) {
             let height = crossing_height(weave, system, own, over, other);
-            let half = weave.yarns[own].height / 2.0;
+            let half = weave.yarns[own].height / 2.0 + weave.yarns[own].reach();
             extent = [extent[0].min(height - half), extent[1].max(height + half)];
         }
     }

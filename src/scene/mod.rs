@@ -8,6 +8,7 @@
 
 mod absorption;
 mod draft;
+mod flyaways;
 mod load;
 mod measure;
 mod model;
@@ -20,6 +21,7 @@ mod wif;
 mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
+pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
 pub use model::{Model, Placement, Tracking};

@@ -1,5 +1,6 @@
 //! `[yarn.*]`.
 
+use super::flyaways::{Flyaways, Migration, read_flyaways, read_migration};
 use super::reader::{Allowed, Table, Value, closest};
 use super::sheet::{Fiber, MAX_VOLUME_FRACTION, UM, find_fiber};
 use crate::error::Result;
@@ -52,9 +53,18 @@ pub struct Yarn {
     pub twist: f64,
     /// How densely the fibers fill a ply; none for uniformly.
     pub radial_profile: Option<RadialProfile>,
+    /// How the fibers swing in their ply; none if they keep their distance from its centre.
+    pub migration: Option<Migration>,
+    /// Fibers outside of the section.
+    pub flyaways: Option<Flyaways>,
 }
 
 impl Yarn {
+    /// Largest distance from the section that any of its fibers reaches in mm.
+    pub fn reach(&self) -> f64 {
+        self.flyaways.map_or(0.0, |flyaways| flyaways.reach())
+    }
+
     /// Number of fibers.
     pub fn fibers(&self) -> usize {
         self.plies as usize * self.fibers_per_ply as usize
@@ -110,12 +120,21 @@ pub(super) fn find_yarn(item: &Value, yarns: &[Yarn]) -> Result<usize> {
     })
 }
 
-const KEYS: [&str; 8] =
-    ["fiber", "plies", "fibers_per_ply", "width_um", "height_um", "ply_twist_per_m", "twist_per_m", "radial_profile"];
+const KEYS: [&str; 10] = [
+    "fiber",
+    "plies",
+    "fibers_per_ply",
+    "width_um",
+    "height_um",
+    "ply_twist_per_m",
+    "twist_per_m",
+    "radial_profile",
+    "migration",
+    "flyaways",
+];
 
 fn read_yarn(name: &str, table: &Table, fibers: &[Fiber]) -> Result<Yarn> {
-    let planned = ["migration", "flyaways"].map(|key| (key, "is not available yet"));
-    table.expect_keys(&KEYS, &planned)?;
+    table.expect_keys(&KEYS, &[])?;
     let whole = |key: &str, most: u32| {
         let what = format!("a whole number from 1 to {most}");
         table.get(key).map(|value| value.integer(1, most, &what)).transpose()
@@ -136,6 +155,8 @@ fn read_yarn(name: &str, table: &Table, fibers: &[Fiber]) -> Result<Yarn> {
         ply_twist: turns("ply_twist_per_m")?.unwrap_or(0.0),
         twist: turns("twist_per_m")?.unwrap_or(0.0),
         radial_profile: table.get("radial_profile").map(|value| read_profile(&value)).transpose()?,
+        migration: None,
+        flyaways: None,
     };
     // A single yarn has one twist, by whichever name.
     if let (1, Some(value)) = (yarn.plies, table.get("twist_per_m")) {
@@ -147,6 +168,16 @@ fn read_yarn(name: &str, table: &Table, fibers: &[Fiber]) -> Result<Yarn> {
         (yarn.ply_twist, yarn.twist) = (yarn.twist, 0.0);
     }
     check_room(&yarn, table, fibers)?;
+    yarn.migration = table.get("migration").map(|value| read_migration(&value, &yarn, fibers)).transpose()?;
+    if let Some(value) = table.get("flyaways") {
+        let thickest = yarn.blend.iter().map(|&(kind, _)| 2.0 * fibers[kind].radius).fold(0.0, f64::max);
+        if yarn.width.min(yarn.height) < 2.0 * thickest {
+            let message =
+                "hairs and loops leave a bundle: the yarn must be at least twice as wide and high as its fibers";
+            return Err(value.error(message));
+        }
+        yarn.flyaways = Some(read_flyaways(&value, &yarn)?);
+    }
     Ok(yarn)
 }
 
@@ -224,6 +255,8 @@ mod tests {
             ply_twist: 0.0,
             twist: 0.0,
             radial_profile: None,
+            migration: None,
+            flyaways: None,
         }
     }
 

@@ -368,7 +368,7 @@ fn a_cell_that_is_too_full_is_named_with_a_grid_that_cures_it() {
     let error = with([48, 48, 24]).expect_err("its cells are too full").to_string();
     println!("{error}");
     let place = error.strip_prefix("the fibers of cell [").expect("it names a cell");
-    assert!(place.contains("] of 48 × 48 × 24 have ") && error.ends_with("], or make the yarns wider"));
+    assert!(place.contains("] of 48 × 48 × 24 have ") && error.ends_with("], or give the yarns more room, or let them climb less steeply"));
     let cells = error.split("cells = [").nth(1).and_then(|rest| rest.split(']').next()).expect("it names a grid");
     let cells: Vec<u32> = cells.split(", ").map(|count| count.parse().expect("a number")).collect();
     let (cured, gathering) = with([cells[0], cells[1], cells[2]]).unwrap_or_else(|error| panic!("{error}"));
@@ -382,7 +382,7 @@ fn a_cell_that_is_too_full_is_named_with_a_grid_that_cures_it() {
     let pieces: Vec<Primitive> = (0..64).map(piece).collect();
     let error = Counted::pieces(&pieces, 1.0, 1.0).try_count(Effort::Realizations(32)).expect_err("they overlap");
     let message = "the fibers of cell [0, 0, 0] of 1 × 1 × 1 have 2.43 of its volume, allowed: 2.3 (fibers that overlap); \
-                   make the yarns wider";
+                   give the yarns more room, or let them climb less steeply";
     assert_eq!(error.to_string(), message);
 }
 

@@ -104,13 +104,16 @@ fn error_norm(a: &Tally, b: &Tally) -> (f64, f64) {
     let (mut excess, mut spread, mut square) = (0.0, 0.0, 0.0);
     for start in 0..a.starts() {
         for bin in 0..2 * a.layout.exit_cells {
+            let mut deviation = 0.0;
             for channel in 0..a.channels().max(b.channels()) {
                 let [a, b] = [a, b].map(|tally| seen_share(tally, start, bin, channel));
                 let variance = a.stderr.powi(2) + b.stderr.powi(2);
                 excess += (a.value - b.value).powi(2) - variance;
-                spread += 2.0 * variance * variance;
+                deviation += 2f64.sqrt() * variance;
                 square += b.value * b.value;
             }
+            // Channels share their walks: take their deviations to go together.
+            spread += deviation * deviation;
         }
     }
     if square == 0.0 {

@@ -332,6 +332,6 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
     }
     Error::Input(format!(
         "the fibers of cell {place:?} of {nx} × {ny} × {nz} have {fraction:.2} of its volume, allowed: {MAX_VOLUME_FRACTION} \
-         (fibers that overlap); {cure}make the yarns wider"
+         (fibers that overlap); {cure}give the yarns more room, or let them climb less steeply"
     ))
 }

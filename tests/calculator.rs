@@ -368,7 +368,10 @@ fn a_cell_that_is_too_full_is_named_with_a_grid_that_cures_it() {
     let error = with([48, 48, 24]).expect_err("its cells are too full").to_string();
     println!("{error}");
     let place = error.strip_prefix("the fibers of cell [").expect("it names a cell");
-    assert!(place.contains("] of 48 × 48 × 24 have ") && error.ends_with("], or give the yarns more room, or let them climb less steeply"));
+    assert!(
+        place.contains("] of 48 × 48 × 24 have ")
+            && error.ends_with("], or give the yarns more room, or let them climb less steeply")
+    );
     let cells = error.split("cells = [").nth(1).and_then(|rest| rest.split(']').next()).expect("it names a grid");
     let cells: Vec<u32> = cells.split(", ").map(|count| count.parse().expect("a number")).collect();
     let (cured, gathering) = with([cells[0], cells[1], cells[2]]).unwrap_or_else(|error| panic!("{error}"));

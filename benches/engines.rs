@@ -2,9 +2,10 @@
 //! out whose name does not contain it.
 //!
 //! Isotropic fibers of index 1.5 at optical depths H·d = 0.5, 4 and 32 (H is the true total specific visible area, not
-//! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, and let walks
-//! start in the middle of their incident cells instead of at random, and read directions from a texture. Each figure is the median over the rounds, with the smallest and the largest.
-//! Rows named tabulated track by a table of H(m). The weaves are grids of cells, open and dense.
+//! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, let walks start in
+//! the middle of their incident cells instead of at random, read directions from a texture, track by a table of H(m), dye
+//! the fibers in three channels, and give them ends. The weaves are grids of cells, open and dense. Each figure is the median
+//! over the rounds, with the smallest and the largest.
 
 mod weaves;
 
@@ -93,8 +94,21 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
         cases.push(Case { jitter: false, disc: false, ..variant("neither") });
         cases.push(Case { texture: true, ..variant("in a texture") });
         cases.push(Case { tables: Rc::new(with_table(&tables)), ..variant("tabulated") });
+        cases.push(Case { tables: Rc::new(dyed(&tables)), ..variant("dyed, 3 channels") });
+        cases.push(Case { tables: Rc::new(short(&tables)), ..variant("fibers with ends") });
     }
     cases
+}
+
+/// The same fibers, one channel clear, one grey, one dark.
+fn dyed(tables: &SamplingTables) -> SamplingTables {
+    let kind = Kind { absorption: vec![0.0, 20.0, 120.0], ..tables.kinds[0].clone() };
+    SamplingTables { kinds: vec![kind], ..tables.clone() }
+}
+
+/// The same fibers, cut to 20 radii.
+fn short(tables: &SamplingTables) -> SamplingTables {
+    SamplingTables { half_length: 10.0, ..tables.clone() }
 }
 
 /// Cells of an open plain weave and of a dense twill.

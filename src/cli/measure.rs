@@ -166,13 +166,13 @@ fn describe(
     let depth = prepared.tables.depth();
     let mut lines = vec![format!("{}: {}", source.file, scene.name)];
     match (&scene.structure, &prepared.gathering) {
-        (Structure::Weave(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
+        (Structure::Weave(_) | Structure::Knit(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
         (Structure::Sheet(sheet), _) => {
             let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
             let fraction = sheet.volume_fraction(&scene.fibers);
             lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
         }
-        (Structure::Weave(_), None) => {}
+        (Structure::Weave(_) | Structure::Knit(_), None) => {}
     }
     if prepared.specific_length.spread_error > 0.0 {
         lines.push(format!(

@@ -19,13 +19,15 @@
 //!   overlap. Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random
 //!   place, and there its fibers jump.
 
+mod knit;
 mod path;
 mod realization;
+mod repeat;
 mod section;
 mod statistics;
 mod steps;
 mod woven;
 
 pub use realization::Primitive;
-pub use statistics::Statistics;
-pub use woven::{Cloth, System, Thread};
+pub use repeat::{Cloth, System, Thread};
+pub use statistics::{Shape, Statistics};

@@ -1,7 +1,9 @@
 //! One random draw of all fibers, as straight pieces.
 
-use super::woven::{Cloth, System, Thread};
-use glam::{DVec2, DVec3};
+use super::repeat::{Axis, Cloth, System, Thread};
+use super::section::{Section, Strand};
+use super::steps::Station;
+use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -42,10 +44,7 @@ impl Cloth {
         let cut = rng.random::<f64>() * steps.pieces;
         for strand in &strands {
             let radius = section.radius(strand.kind);
-            let corner = |pieces: f64| {
-                let station = steps.at(pieces);
-                self.point(place, station.along, station.height, section.place(strand, station.length))
-            };
+            let corner = |pieces: f64| self.point(place, &steps.at(pieces), section, strand);
             // Shift the corners of each fiber, so that their pieces do not end side by side.
             let first = rng.random::<f64>();
             let inner = (0..).map(|step| first + f64::from(step)).take_while(|pieces| *pieces < steps.pieces);
@@ -62,13 +61,18 @@ impl Cloth {
         }
     }
 
-    /// The point of a thread at a distance along its direction, off its axis by `place` (left, up).
-    fn point(&self, thread: &Thread, along: f64, height: f64, place: DVec2) -> DVec3 {
-        let z = height + place.y;
+    /// The point of a fiber at a station of its thread.
+    fn point(&self, thread: &Thread, station: &Station, section: &Section, strand: &Strand) -> DVec3 {
+        if let Axis::Loops(course) = self.axis(thread) {
+            let frame = course.at(station.along);
+            return frame.off(section.place(strand, station.length, frame.turn));
+        }
+        let place = section.place(strand, station.length, 0.0);
+        let z = station.height + place.y;
         // Left is up × the thread's direction.
         match thread.system {
-            System::Warp => DVec3::new(thread.at - place.x, along, z),
-            System::Weft => DVec3::new(along, thread.at + place.x, z),
+            System::Warp => DVec3::new(thread.at - place.x, station.along, z),
+            System::Weft => DVec3::new(station.along, thread.at + place.x, z),
         }
     }
 

@@ -82,10 +82,11 @@ impl Section {
     }
 
     /// Place of a fiber in the section after a length of yarn, in mm: (left, up) for one who looks along the thread;
-    /// left × up is its direction, so a positive twist makes a right-handed helix.
-    pub fn place(&self, strand: &Strand, length: f64) -> DVec2 {
-        let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length);
-        let own = strand.radius * DVec2::from_angle(strand.azimuth + TAU * self.yarn.ply_twist * length);
+    /// left × up is its direction, so a positive twist makes a right-handed helix. `turn` is the angle in radians of the
+    /// frame that the twist is counted against.
+    pub fn place(&self, strand: &Strand, length: f64, turn: f64) -> DVec2 {
+        let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length + turn);
+        let own = strand.radius * DVec2::from_angle(strand.azimuth + TAU * self.yarn.ply_twist * length + turn);
         // The disc becomes the ellipse that keeps the fiber's surface inside.
         let inside = DVec2::new(self.yarn.width, self.yarn.height) / 2.0 - self.radii[strand.kind];
         inside.max(DVec2::ZERO) * (ply + own)

@@ -1,4 +1,4 @@
-//! The distribution calculator: f(p, x) of a woven cloth from its explicit fibers (paper §5).
+//! The distribution calculator: f(p, x) of a cloth of yarns from its explicit fibers (paper §5).
 
 use super::cells::{Cell, CellGrid};
 use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
@@ -65,7 +65,7 @@ pub struct Gathering {
 }
 
 impl SpecificLength {
-    /// Count the fibers of a woven cloth: the mean over realizations. `progress` is told the share that is done.
+    /// Count the fibers of a woven or knitted cloth: the mean over realizations. `progress` is told the share that is done.
     ///
     /// # Errors
     /// [`Error::Input`] when the fibers fill more than 0.9 of a cell; it names the cell and a grid that cures it.
@@ -110,10 +110,10 @@ fn grids(cloth: &Cloth, model: &Model) -> Grids {
         period: cloth.period(),
         thickness: cloth.thickness(),
     };
-    let weave = cloth.weave();
+    let spacing = cloth.spacing();
     let edges = cells.edges();
-    // A list is never wider than a quarter of the distance of two yarns, nor than four cells.
-    let quarter = [weave.end_spacing / 4.0, weave.pick_spacing / 4.0, size.z / 4.0];
+    // A list is never wider than a quarter of the distance of two yarns or loops, nor than four cells.
+    let quarter = [spacing.x / 4.0, spacing.y / 4.0, size.z / 4.0];
     let block = [0, 1, 2].map(|axis| ((quarter[axis] / edges[axis]) as u32).clamp(1, 4));
     // Count directions four times as finely as they are tabulated.
     let n = (4 * model.directions.isqrt()).clamp(128, 1024);
@@ -122,7 +122,7 @@ fn grids(cloth: &Cloth, model: &Model) -> Grids {
 
 /// Cells of edge 4R, fewer where that would be too many.
 fn default_counts(cloth: &Cloth) -> [u32; 3] {
-    let kinds = cloth.weave().kinds();
+    let kinds = cloth.used_kinds();
     let radius = kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);
     let mut edge = EDGE * radius;
     loop {

@@ -7,6 +7,7 @@
 //! Differs from the paper: nothing; the paper does not say how its input is written.
 
 mod absorption;
+mod knit;
 mod load;
 mod measure;
 mod model;
@@ -18,6 +19,7 @@ mod weave;
 mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
+pub use knit::{Knit, Stitch};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
 pub use model::{Model, Placement, Tracking};

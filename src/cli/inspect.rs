@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// Say what a cloth and its model are, without measuring it; draw a weave: weave.png
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
+    /// Cloth file, or a preset: charmeuse, denim, felt, jersey, nonwoven, rib, voile
     cloth: String,
     /// Folder of the picture of a weave or a knit [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]

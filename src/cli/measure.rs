@@ -19,7 +19,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, felt, nonwoven, voile
+    /// Cloth file, or a preset: charmeuse, denim, felt, jersey, nonwoven, rib, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Where the next flight starts: at-hit
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
-    /// Cells of the repeat of a weave along x, y and z, such as 24x24x8 [default: edges of four fiber radii]
+    /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of four fiber radii]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
     /// Cells of the grid of fiber directions, a square number [default: 1024]

@@ -3,7 +3,7 @@
 use super::knit::Course;
 use super::path::Path;
 use super::section::Section;
-use super::steps::{Curve, Limits, Steps};
+use super::steps::{Limits, Steps};
 use super::{knit, woven};
 use crate::error::{Error, Result};
 use crate::scene::{Fiber, Knit, Scene, Structure, Weave, Yarn};

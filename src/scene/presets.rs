@@ -1,11 +1,13 @@
 //! Cloth files that come with the program.
 
 /// Names and texts of the presets.
-pub const PRESETS: [(&str, &str); 5] = [
+pub const PRESETS: [(&str, &str); 7] = [
     ("charmeuse", include_str!("../../assets/cloths/charmeuse.toml")),
     ("denim", include_str!("../../assets/cloths/denim.toml")),
     ("felt", include_str!("../../assets/cloths/felt.toml")),
+    ("jersey", include_str!("../../assets/cloths/jersey.toml")),
     ("nonwoven", include_str!("../../assets/cloths/nonwoven.toml")),
+    ("rib", include_str!("../../assets/cloths/rib.toml")),
     ("voile", include_str!("../../assets/cloths/voile.toml")),
 ];
 

@@ -14,6 +14,10 @@ pub const DEEPEST: f64 = 0.01;
 const LOOSE: f64 = 0.05;
 /// A growing yarn becomes thicker by this factor.
 const GROWTH: f64 = 1.2;
+/// Width of the loops of a rib before they relax.
+const WIDE: f64 = 0.2;
+/// Height of its layers above the middle, in diameters.
+const LAYER: f64 = 2.0;
 /// Rounds of heavier and heavier penalties, and iterations of each at most.
 const ROUNDS: i32 = 5;
 const ITERATIONS: usize = 300;
@@ -101,18 +105,26 @@ fn lengthen(table: &Table, series: &mut Series) {
     }
 }
 
-/// A loop whose crossings are right, and about as long as it should be.
+/// A loop whose crossings are right, and about as long as it should be. Loops of a rib lie in two layers, which may
+/// overlap when the wales are narrow.
 pub(super) fn start(basis: &Basis, stitch: Stitch, room: &Room) -> Series {
     let Room { wale, course, diameter } = *room;
+    let wide = match stitch {
+        Stitch::Jersey => wale,
+        Stitch::Rib => wale.max(WIDE),
+    };
+    let layer = LAYER * diameter;
     let make = |bulge: f64| {
         let amplitude = |(axis, f): (usize, f64)| match (stitch, axis, f) {
-            (_, 0, 2.0) => bulge * wale,
+            (_, 0, 2.0) => bulge * wide,
             (_, 1, 1.0) => 0.75 * course,
             // Heads and feet behind, legs in front.
             (Stitch::Jersey, 2, 2.0) => -1.2 * diameter,
-            // The same in the face wale and turned over in the next: about −cos 2t (cos t/2 − cos 3t/2 / 3).
-            (Stitch::Rib, 2, 0.5 | 3.5) => 0.36 * diameter,
-            (Stitch::Rib, 2, 1.5 | 2.5) => -1.1 * diameter,
+            // The same before the face wale's layer and turned over in the next: (layer − 2.2 cos 2t) (cos t/2 − cos 3t/2 / 3).
+            (Stitch::Rib, 2, 0.5) => layer + 0.36 * diameter,
+            (Stitch::Rib, 2, 1.5) => -layer / 3.0 - 1.1 * diameter,
+            (Stitch::Rib, 2, 2.5) => -1.1 * diameter,
+            (Stitch::Rib, 2, 3.5) => 0.36 * diameter,
             _ => 0.0,
         };
         Series { basis: basis.clone(), wale, coefficients: basis.terms().map(amplitude).collect() }

@@ -183,7 +183,8 @@ fn describe(
     }
     if let Some(visible) = &prepared.tables.visible {
         let (n, percent) = (visible.n, 100.0 * visible.error);
-        lines.push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
+        lines
+            .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
     }
     lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
     if let Stop::Tolerance(tolerance) = stop {

@@ -74,8 +74,7 @@ impl Steps {
     /// Cut an axis, if that takes no more than so many pieces.
     pub fn new(curve: &impl Curve, limits: &Limits, most: f64) -> Option<Steps> {
         let lengths: Vec<f64> = (0..curve.parts()).map(|part| curve.part_length(part)).collect();
-        let mut steps: Vec<f64> =
-            (0..curve.parts()).map(|part| limits.step(curve.part_curvature(part))).collect();
+        let mut steps: Vec<f64> = (0..curve.parts()).map(|part| limits.step(curve.part_curvature(part))).collect();
         grade(&mut steps, &lengths);
 
         // Lay stations at equal distances in pieces.

@@ -57,8 +57,7 @@ pub fn cloth_picture(cloth: &Cloth, scene: &Scene, width: usize) -> Picture {
 
     // The faces; the back shows the same piece of cloth, turned.
     let spacing = cloth.spacing();
-    let shaded =
-        |depth: &Depth| face(depth, &colours, layout.front.per_mm, spacing.min_element(), cloth.thickness());
+    let shaded = |depth: &Depth| face(depth, &colours, layout.front.per_mm, spacing.min_element(), cloth.thickness());
     lay_face(&mut image, &layout.front, &shaded(&front), 0);
     lay_face(&mut image, &layout.back, &shaded(&back), -(layout.back.width as i64));
     above(&mut image, &layout, &layout.front, "front");
@@ -69,7 +68,9 @@ pub fn cloth_picture(cloth: &Cloth, scene: &Scene, width: usize) -> Picture {
     // The cuts.
     let names = match cloth.knit() {
         None => ["cut along the warp, through the first end", "cut along the weft, through the first pick"],
-        Some(_) => ["cut along a wale, through one side of its loops", "cut along a course, through the legs of its loops"],
+        Some(_) => {
+            ["cut along a wale, through one side of its loops", "cut along a course, through the legs of its loops"]
+        }
     };
     let reaches = spacing.to_array();
     for (((panel, depth), name), reach) in layout.cuts.iter().zip([warp, weft]).zip(names).zip(reaches) {

@@ -39,9 +39,7 @@ pub(super) fn read_structure(root: &Table, fibers: &[Fiber]) -> Result<Structure
             }
             (Structure::Sheet(read_sheet(&sheet.table()?, fibers)?), "sheet", root.at(&["sheet", "fibers"]))
         }
-        (None, Some(weave), None) => {
-            (Structure::Weave(read_weave(&weave.table()?, yarns()?)?), "weave", Some(weave))
-        }
+        (None, Some(weave), None) => (Structure::Weave(read_weave(&weave.table()?, yarns()?)?), "weave", Some(weave)),
         (None, None, Some(knit)) => (Structure::Knit(read_knit(&knit.table()?, yarns()?)?), "knit", Some(knit)),
         (None, None, None) => return Err(root.error("the file needs a [sheet], a [weave] or a [knit]")),
         (_, weave, knit) => {

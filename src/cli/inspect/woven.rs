@@ -3,14 +3,13 @@
 use super::super::{one_line, print};
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
-use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::cloth::{Cloth, Shape, Statistics};
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Yarn};
 use std::fmt::Write;
 use std::path::Path;
-
 
 /// Draw the cloth into a folder, and say what the cloth is and where its picture lies.
 pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {

@@ -7,7 +7,9 @@ use crate::scene::{Knit, Yarn};
 use glam::{DQuat, DVec2, DVec3};
 
 /// Points of the table of a loop.
-const POINTS: usize = 1024;
+const POINTS: usize = 4096;
+/// Of them in a part of one step length.
+const PER_PART: usize = 32;
 /// Cells along each edge of the repeat on which the cover is counted.
 const RASTER: usize = 256;
 /// Lines along the yarn that are laid on them.
@@ -138,7 +140,7 @@ impl Course {
 
 impl Curve for Course {
     fn parts(&self) -> usize {
-        self.frames.len() / 8
+        self.frames.len() / PER_PART
     }
 
     fn part_length(&self, _: usize) -> f64 {
@@ -146,7 +148,7 @@ impl Curve for Course {
     }
 
     fn part_curvature(&self, part: usize) -> f64 {
-        let frames = &self.frames[part * 8..=part * 8 + 8];
+        let frames = &self.frames[part * PER_PART..=(part + 1) * PER_PART];
         let curvature = frames.iter().map(|frame| frame.curvature).fold(0.0, f64::max);
         // A fiber on the outside of a bend is longer than the axis.
         curvature * (1.0 + curvature * self.radius)

@@ -4,8 +4,6 @@ use super::series::{Basis, Series};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Points from the head of a loop to its foot.
-pub const HALF: usize = 64;
 /// Weight of the bending energy ∫κ² ds of a loop of length 1.
 const BENDING: f64 = 1e-2;
 /// Weight of an even speed: it chooses one of the many parametrisations of the same curve.
@@ -48,26 +46,28 @@ pub struct Points {
 /// The sines and cosines at the points, and their derivatives.
 pub struct Table {
     pub basis: Basis,
+    /// Points from the head of a loop to its foot.
+    pub half: usize,
     /// Coordinate of each term, and its values and derivatives at the points.
     terms: Vec<(usize, Vec<[f64; 3]>)>,
 }
 
 impl Table {
-    pub fn new(basis: Basis) -> Table {
+    pub fn new(basis: Basis, half: usize) -> Table {
         let term = |(axis, f): (usize, f64)| {
             let at = |place: usize| {
-                let (sin, cos) = (f * parameter(place)).sin_cos();
+                let (sin, cos) = (f * parameter(place, half)).sin_cos();
                 if axis == 0 { [sin, f * cos, -f * f * sin] } else { [cos, -f * sin, -f * f * cos] }
             };
-            (axis, (0..HALF).map(at).collect())
+            (axis, (0..half).map(at).collect())
         };
         let terms = basis.terms().map(term).collect();
-        Table { basis, terms }
+        Table { basis, half, terms }
     }
 
     pub fn points(&self, series: &Series) -> Points {
-        let values = (0..HALF).map(|place| series.at(parameter(place)));
-        let step = PI / HALF as f64;
+        let values = (0..self.half).map(|place| series.at(parameter(place, self.half)));
+        let step = PI / self.half as f64;
         let (mut point, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
         let mut length = 0.0;
         for [p, d, dd] in values {
@@ -83,13 +83,13 @@ impl Table {
     pub fn energy(&self, series: &Series, room: &Room, penalty: &Penalty) -> (f64, Vec<f64>) {
         let points = self.points(series);
         // Both halves of the loop have the same energy.
-        let weight = 2.0 * PI / HALF as f64;
+        let weight = 2.0 * PI / self.half as f64;
         let mut energy = 0.0;
-        let mut slopes = [vec![DVec3::ZERO; HALF], vec![DVec3::ZERO; HALF], vec![DVec3::ZERO; HALF]];
+        let mut slopes = [0; 3].map(|_| vec![DVec3::ZERO; self.half]);
         let error = points.length - 1.0;
         energy += penalty.multiplier * error + penalty.length * error * error / 2.0;
         let pull = penalty.multiplier + penalty.length * error;
-        for place in 0..HALF {
+        for place in 0..self.half {
             let (p, q) = (points.first[place], points.second[place]);
             let (square, cross) = (p.length_squared(), p.cross(q));
             let (speed, turn) = (square.sqrt(), cross.length_squared());
@@ -112,7 +112,7 @@ impl Table {
         }
         let gradient = self.terms.iter().map(|(axis, values)| {
             let at = |place: usize| (0..3).map(|order| slopes[order][place][*axis] * values[place][order]).sum::<f64>();
-            (0..HALF).map(at).sum()
+            (0..self.half).map(at).sum()
         });
         (energy, gradient.collect())
     }
@@ -120,9 +120,9 @@ impl Table {
     /// Derivatives of the length by the coefficients.
     pub fn length_slopes(&self, series: &Series) -> Vec<f64> {
         let points = self.points(series);
-        let weight = 2.0 * PI / HALF as f64;
+        let weight = 2.0 * PI / self.half as f64;
         let slope = |(axis, values): &(usize, Vec<[f64; 3]>)| {
-            (0..HALF).map(|place| weight * points.first[place].normalize()[*axis] * values[place][1]).sum()
+            (0..self.half).map(|place| weight * points.first[place].normalize()[*axis] * values[place][1]).sum()
         };
         self.terms.iter().map(slope).collect()
     }
@@ -166,8 +166,8 @@ impl Table {
 }
 
 /// The parameter of a point.
-fn parameter(place: usize) -> f64 {
-    PI * (place as f64 + 0.5) / HALF as f64
+fn parameter(place: usize, half: usize) -> f64 {
+    PI * (place as f64 + 0.5) / half as f64
 }
 
 /// Visit pairs of points nearer than some diameters: a point of the half loop, and an image of another in the same course
@@ -191,13 +191,14 @@ fn near(
                 let offset = DVec3::new(f64::from(wale) * room.wale, f64::from(course) * room.course, 0.0);
                 for (j, point) in points.iter().enumerate() {
                     let image = *point * sign + offset;
-                    let along = mirror * parameter(j) / TAU + f64::from(wale);
+                    let along = mirror * parameter(j, points.len()) / TAU + f64::from(wale);
                     for (i, own) in points.iter().enumerate() {
                         let apart = *own - image;
                         if apart.length_squared() >= square {
                             continue;
                         }
-                        let between = if course == 0 { (parameter(i) / TAU - along).abs() } else { f64::INFINITY };
+                        let between =
+                            if course == 0 { (parameter(i, points.len()) / TAU - along).abs() } else { f64::INFINITY };
                         let wanted = room.diameter * (between / room.diameter).min(FRAC_PI_2).sin();
                         visit(i, j, sign, apart, wanted);
                     }

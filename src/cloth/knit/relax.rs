@@ -1,5 +1,6 @@
 //! The shape of a relaxed loop.
 
+use super::crossings::hooked;
 use super::energy::{Penalty, Room, Table};
 use super::minimise::minimise;
 use super::series::{Basis, Series};
@@ -7,7 +8,9 @@ use crate::scene::Stitch;
 use std::ops::Range;
 
 /// Axes are pushed this much farther apart than the yarn is thick, in diameters: what is left of the penalty's softness.
-const MARGIN: f64 = 0.005;
+const MARGIN: f64 = 0.006;
+/// Points of half a loop, times the diameter: between them the yarn comes nearer by 0.4 % of its diameter at most.
+const FINENESS: f64 = 2.8;
 /// Deepest overlap that counts as none, in diameters.
 pub const DEEPEST: f64 = 0.01;
 /// Deepest overlap of a yarn that grows on.
@@ -48,9 +51,14 @@ impl Relaxed {
 /// diameter, and no two points come nearer than half of it: so yarns never pass through each other, and loops hang as
 /// they did.
 pub fn relax(stitch: Stitch, room: &Room) -> Result<Relaxed, f64> {
-    let table = Table::new(Basis::new(stitch));
+    let half = (FINENESS / room.diameter).clamp(64.0, 256.0) as usize;
+    let table = Table::new(Basis::new(stitch), half);
     let mut series = start(&table.basis, stitch, room);
     let clearance = table.least_distance(&table.points(&series), room);
+    // Between points that lie farther apart than the yarn is thick, it could slip through.
+    if clearance < 1.0 / half as f64 || !starts_hooked(&series, stitch, room) {
+        return Err(0.0);
+    }
     let mut multiplier = 0.0;
     let mut grown = Room { diameter: clearance.min(room.diameter) / GROWTH, ..*room };
     let mut fitted = grown.diameter;
@@ -67,9 +75,10 @@ pub fn relax(stitch: Stitch, room: &Room) -> Result<Relaxed, f64> {
     }
     descend(&table, &mut series, room, 2..ROUNDS, &mut multiplier);
     lengthen(&table, &mut series);
-    let points = table.points(&series);
-    let clearance = table.least_distance(&points, room) / room.diameter;
-    let relaxed = Relaxed { clearance, bend: table.largest_curvature(&points) * room.diameter / 2.0, series };
+    let fine = Table::new(table.basis, 4 * half);
+    let points = fine.points(&series);
+    let clearance = fine.least_distance(&points, room) / room.diameter;
+    let relaxed = Relaxed { clearance, bend: fine.largest_curvature(&points) * room.diameter / 2.0, series };
     if relaxed.fits() { Ok(relaxed) } else { Err(fitted / GROWTH) }
 }
 
@@ -82,10 +91,8 @@ fn descend(table: &Table, series: &mut Series, room: &Room, rounds: Range<i32>, 
         let contact = 1e2 * 10f64.powi(round);
         let penalty = Penalty { contact, length: 1e2 * 4f64.powi(round), multiplier: *multiplier };
         let from: Vec<f64> = series.coefficients.iter().zip(&scales).map(|(c, s)| c / s).collect();
-        let of = |x: &[f64]| Series {
-            coefficients: x.iter().zip(&scales).map(|(x, s)| x * s).collect(),
-            ..series.clone()
-        };
+        let of =
+            |x: &[f64]| Series { coefficients: x.iter().zip(&scales).map(|(x, s)| x * s).collect(), ..series.clone() };
         let best = minimise(&from, ITERATIONS, LONGEST * room.diameter, 1e-9, |x| {
             let (energy, slopes) = table.energy(&of(x), &wide, &penalty);
             (energy, slopes.iter().zip(&scales).map(|(g, s)| g * s).collect())
@@ -105,14 +112,25 @@ fn lengthen(table: &Table, series: &mut Series) {
     }
 }
 
+/// Whether the first loop hangs as it should; that of a rib is pulled wide, so that its layers lie side by side.
+fn starts_hooked(series: &Series, stitch: Stitch, room: &Room) -> bool {
+    let wide = Series { wale: width(stitch, room), ..series.clone() };
+    hooked(&wide, room.course, stitch)
+}
+
+/// Width of the loops before they relax.
+fn width(stitch: Stitch, room: &Room) -> f64 {
+    match stitch {
+        Stitch::Jersey => room.wale,
+        Stitch::Rib => room.wale.max(WIDE),
+    }
+}
+
 /// A loop whose crossings are right, and about as long as it should be. Loops of a rib lie in two layers, which may
 /// overlap when the wales are narrow.
-pub(super) fn start(basis: &Basis, stitch: Stitch, room: &Room) -> Series {
+fn start(basis: &Basis, stitch: Stitch, room: &Room) -> Series {
     let Room { wale, course, diameter } = *room;
-    let wide = match stitch {
-        Stitch::Jersey => wale,
-        Stitch::Rib => wale.max(WIDE),
-    };
+    let wide = width(stitch, room);
     let layer = LAYER * diameter;
     let make = |bulge: f64| {
         let amplitude = |(axis, f): (usize, f64)| match (stitch, axis, f) {

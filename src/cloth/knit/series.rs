@@ -29,18 +29,16 @@ impl Basis {
             Stitch::Jersey => {
                 let even = |n: f64| 2.0 * n;
                 let half = HARMONICS / 2;
-                Basis { frequencies: [up_to(half, even), up_to(half, |n| 2.0 * n - 1.0), up_to(half, even)], next_z: 1.0 }
+                Basis {
+                    frequencies: [up_to(half, even), up_to(half, |n| 2.0 * n - 1.0), up_to(half, even)],
+                    next_z: 1.0,
+                }
             }
             Stitch::Rib => {
                 let whole = up_to(HARMONICS, |n| n);
                 Basis { frequencies: [whole.clone(), whole, up_to(HARMONICS, |n| n - 0.5)], next_z: -1.0 }
             }
         }
-    }
-
-    /// Number of coefficients.
-    pub fn len(&self) -> usize {
-        self.frequencies.iter().map(Vec::len).sum()
     }
 
     /// Coordinate and frequency of each coefficient.

@@ -89,8 +89,7 @@ impl Table {
         let error = points.length - 1.0;
         energy += penalty.multiplier * error + penalty.length * error * error / 2.0;
         let pull = penalty.multiplier + penalty.length * error;
-        for place in 0..self.half {
-            let (p, q) = (points.first[place], points.second[place]);
+        for (place, (&p, &q)) in points.first.iter().zip(&points.second).enumerate() {
             let (square, cross) = (p.length_squared(), p.cross(q));
             let (speed, turn) = (square.sqrt(), cross.length_squared());
             // Bending: κ² ds = |p × q|² |p|⁻⁵ dt.

@@ -29,7 +29,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["reference", "distribution"]),
+    ("rayon", &["cloth", "reference", "distribution"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),

@@ -1,11 +1,10 @@
 //! Disorder in the yarn of a knit: hairs, loops of fibers and migration, and its fibers as curves.
 
-mod common;
-
-use common::Place;
+mod program;
 use fiberwalk::cloth::{Cloth, Curve};
 use fiberwalk::scene::{Scene, Source};
 use glam::DVec3;
+use program::Place;
 
 /// Radius of the yarn less that of a fiber in mm.
 const RIM: f64 = 0.1;
@@ -69,7 +68,7 @@ fn nothing_sticks_out_of_a_hairy_knit_and_hairs_come_near_its_faces() {
     for structure in ["jersey", "rib"] {
         for lines in [
             "ply_twist_per_m = 600\nflyaways = { hairs_per_mm = 30, hair_length_um = [300, 150], hair_rise_deg = [40, 40] }",
-            "ply_twist_per_m = 600\nmigration = { radius = [0.5, 1.0] }\n\
+            "ply_twist_per_m = 600\nmigration = { radius = [0.5, 1.0], periods_per_turn = 1 }\n\
              flyaways = { loops_per_mm = 2, loop_height_um = [90, 60], loop_span_um = 500 }",
         ] {
             let cloth = knitted(structure, lines);
@@ -113,7 +112,7 @@ fn fibers_that_migrate_lie_nearer_to_the_axis_by_the_mean_of_their_shares() {
     // 360 fibers know the mean distance to two per cent.
     let still = mean("ply_twist_per_m = 600");
     assert!((still / RIM - 2.0 / 3.0).abs() < 0.05, "{still}");
-    let ratio = mean("ply_twist_per_m = 600\nmigration = { radius = [0.4, 1.0] }") / still;
+    let ratio = mean("ply_twist_per_m = 600\nmigration = { radius = [0.4, 1.0], periods_per_turn = 1 }") / still;
     assert!((ratio - 0.7).abs() < 0.06, "{ratio}");
 }
 

@@ -21,7 +21,6 @@ use fiberwalk::gpu::Gpu;
 use fiberwalk::scene::{Scene, Source};
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{Engine, WalkPlan};
-use glam::DVec3;
 use std::time::Instant;
 
 /// Incident directions (θ, φ) in degrees.

@@ -78,8 +78,8 @@ pub trait Engine {
     /// `progress` sees the tally so far, now and then, in walks per incident cell that may differ between cells.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the device cannot hold or finish the run;
-    /// [`Error::Account`](crate::Error::Account) when the counts do not add up to the plan.
+    /// [`Error::Device`] when the device cannot hold or finish the run;
+    /// [`Error::Account`] when the counts do not add up to the plan.
     fn run(
         &self,
         tables: &SamplingTables,

@@ -15,7 +15,7 @@
 //!   turned: it is thinner by the cosine of its slope, as one that squeezes between its neighbours. For this the gap
 //!   between two yarns has a closed form, and yarns touch without running through each other
 //!   ([`Cloth::largest_penetration`]). The limit: sections do not change from place to place, and where a yarn climbs
-//!   steeply its fibers are packed closer by the same factor ([`Statistics::steepest`]).
+//!   steeply its fibers are packed closer by the same factor ([`Statistics::densest`]).
 //! - Loops of a knit bend as little as they can at the stated density and loop length, with their axes a diameter apart
 //!   wherever yarns meet. Their sections stand across the axis; contact takes them as circles of the mean diameter.
 //! - Fibers fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),

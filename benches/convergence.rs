@@ -21,7 +21,6 @@ use fiberwalk::gpu::Gpu;
 use fiberwalk::scene::{Scene, Source};
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{Engine, WalkPlan};
-use glam::DVec3;
 use std::time::Instant;
 
 /// Incident directions (θ, φ) in degrees.
@@ -119,10 +118,9 @@ impl<'a> Study<'a> {
         let started = Instant::now();
         let counts = self.counts(setting.edge);
         let radii: Vec<f64> = self.cloth.kinds().iter().map(|fiber| fiber.radius).collect();
-        let weave = self.cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: self.cloth.period(), thickness: self.cloth.thickness() },
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, self.cloth.thickness()) * setting.lists,
+            list_width: self.cloth.spacing().extend(self.cloth.thickness()) * setting.lists,
             radii: &radii,
             realize: &|number| self.cloth.realize(0, setting.first + number),
         };
@@ -167,7 +165,7 @@ impl<'a> Study<'a> {
 
     /// Cells of an edge in radii of the thinnest fiber.
     fn counts(&self, edge: Option<f64>) -> [u32; 3] {
-        let kinds = self.cloth.weave().kinds();
+        let kinds = self.cloth.used_kinds();
         let radius = kinds.iter().map(|&kind| self.cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);
         let size = self.cloth.size().to_array();
         edge.map_or([1; 3], |edge| size.map(|size| ((size / (edge * radius)).ceil() as u32).clamp(1, 256)))

@@ -1,8 +1,8 @@
 //! The BSDF of a cloth from its fibers.
 //!
 //! # Conventions
-//! - Frame: x = weft, y = warp, z = outward normal of the *front* face; right-handed. The sheet fills
-//!   0 ≥ z ≥ −thickness.
+//! - Frame: x = weft, y = warp (of a knit: x along a course, y along a wale), z = outward normal of the *front* face;
+//!   right-handed. The sheet fills 0 ≥ z ≥ −thickness.
 //! - Lengths are in mm and angles in radians. In files the unit is part of the key's name.
 //! - `wi` points to where the light comes from, `wo` to where it goes; both point away from the sheet. A walk's
 //!   direction `m` is its propagation direction, so it starts as −wi.
@@ -16,7 +16,7 @@
 //! "The paper" is Bogaevski, Kopylov, Khodulev, "An Implicit Approach to Cloth Synthesis".
 //!
 //! # Floors
-//! Data flows down once: [`scene`] → [`cloth`], of a weave → [`distribution`] → [`tables`], [`goniometer`] → an engine
+//! Data flows down once: [`scene`] → [`cloth`], of yarns → [`distribution`] → [`tables`], [`goniometer`] → an engine
 //! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, and [`export`] writes the
 //! fibers of a cloth for other programs. No module imports one from a later floor,
 //! and the engines do not know of each other.

@@ -130,7 +130,7 @@ fn repeats_are_moved_by_periods_and_kinds_can_be_written_alone() {
 #[test]
 fn wrong_requests_are_refused_and_leave_nothing() {
     let place = Place::new();
-    let sheet = "a sheet has no fibers that lie anywhere: it says how many run which way; curves are those of a weave";
+    let sheet = "a sheet has no fibers that lie anywhere: it says how many run which way; curves are those of a weave or a knit";
     let repeats = "must be two whole numbers from 1 to 1000, such as 3x2";
     for (flags, message) in [
         (&["felt", "--to", "obj"][..], sheet.to_owned()),

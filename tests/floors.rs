@@ -29,7 +29,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["reference", "distribution", "tables"]),
+    ("rayon", &["cloth", "reference", "distribution", "tables"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),

@@ -7,7 +7,7 @@ use common::woven::{Woven, Yarn, preset};
 use fiberwalk::cloth::{Cloth, System};
 use fiberwalk::measure::prepare;
 use fiberwalk::reference::Reference;
-use fiberwalk::report::{Depth, Face, Picture, pile, weave_picture};
+use fiberwalk::report::{Depth, Face, Picture, cloth_picture, pile};
 use fiberwalk::scene::{Absorption, Fiber, Scene, Source};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
@@ -37,7 +37,7 @@ fn scene(draft: &[&str]) -> Scene {
 fn pictured(draft: &[&str]) -> (Cloth, Picture) {
     let scene = scene(draft);
     let cloth = Cloth::new(&scene).expect("it can be laid out");
-    let picture = weave_picture(&cloth, &scene, 900);
+    let picture = cloth_picture(&cloth, &scene, 900);
     (cloth, picture)
 }
 
@@ -152,11 +152,11 @@ fn open_pixels_are_the_openness_less_the_rims_that_fibers_do_not_reach() {
     // Γ(5/3) (n c)^(−2/3) inside, in units of the half width less a fiber's radius, and covers its own radius beyond.
     let cloth = preset("voile");
     let figures = cloth.statistics();
-    let yarn = &cloth.weave().yarns[0];
+    let yarn = &cloth.weave().expect("it is a weave").yarns[0];
     let caps = f64::from(yarn.fibers_per_ply) * 4.0 * 2f64.sqrt() / (3.0 * PI);
     let rim = 0.902_745 * caps.powf(-2.0 / 3.0) * (yarn.width / 2.0 - cloth.kinds()[0].radius);
     let seen_width = yarn.width - 2.0 * rim;
-    let expected = (1.0 - seen_width / cloth.weave().end_spacing).powi(2);
+    let expected = (1.0 - seen_width / cloth.weave().expect("it is a weave").end_spacing).powi(2);
     let draws = 6;
     let size = [900, 900];
     let found = (0..draws).map(|draw| seen(&cloth, Face::Front, size, draw).openness()).sum::<f64>() / draws as f64;
@@ -165,7 +165,7 @@ fn open_pixels_are_the_openness_less_the_rims_that_fibers_do_not_reach() {
     assert!(found > figures.openness + 0.025, "{found} and {}", figures.openness);
     let [front, back] = [Face::Front, Face::Back].map(|face| seen(&cloth, face, size, 0).openness());
     let scene = Scene::parse(&Source::find("voile").expect("it is a preset")).expect("it is right");
-    let drawn = weave_picture(&cloth, &scene, 900).openness;
+    let drawn = cloth_picture(&cloth, &scene, 900).openness;
     assert!((drawn - expected).abs() < 0.02, "a coarser buffer of one draw: {drawn}");
     assert!((front - back).abs() < 1e-3, "light goes through both ways: {front} and {back}");
 }
@@ -212,7 +212,7 @@ fn extreme_weaves_have_a_picture() {
         let source = Source { file: "f".into(), stem: "f".into(), text: woven.text(), folder: None };
         let scene = Scene { name: "名".repeat(200), ..Scene::parse(&source).expect("it is right") };
         for width in [0, 1000] {
-            let picture = weave_picture(&woven.cloth(), &scene, width);
+            let picture = cloth_picture(&woven.cloth(), &scene, width);
             let [columns, rows] = picture.image.size();
             assert!(columns == width.max(600) && rows < 2 * columns, "{columns} × {rows}");
         }
@@ -259,7 +259,7 @@ fn a_picture_that_cannot_be_written_is_refused_in_one_sentence() {
         (&["cloth.toml", "-o", "held"], "held holds a folder named weave.png: -o names another folder"),
         (&["cloth.toml", "-o", "taken/below"], "cannot write the result"),
         (&["cloth.toml", "--width", "30"], "must be a whole number from 600 to 3200"),
-        (&["felt", "-o", "felt"], "a sheet has no weave to draw: leave out -o and --width"),
+        (&["felt", "-o", "felt"], "a sheet has no yarns to draw: leave out -o and --width"),
     ] {
         let outcome = place.run(&[&["inspect"], arguments].concat());
         assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(2), ""), "{outcome:?}");

@@ -3,7 +3,7 @@
 mod common;
 
 use common::woven::{Woven, Yarn, fibers, preset};
-use fiberwalk::cloth::{Cloth, System, Thread};
+use fiberwalk::cloth::{Cloth, Shape, System, Thread};
 use std::f64::consts::PI;
 
 const PLAIN: &[&str] = &[".X", "X."];
@@ -19,12 +19,12 @@ fn half_height(cloth: &Cloth, thread: &Thread, off: f64) -> f64 {
 /// Deepest that an end and a pick run into each other anywhere in the repeat, in mm, on a grid of 41 × 41 points of every
 /// crossing, when `height` gives the axes.
 fn penetration(cloth: &Cloth, height: impl Fn(&Thread, f64) -> f64) -> f64 {
-    let (ends, picks) = cloth.threads().split_at(cloth.weave().ends.len());
+    let (ends, picks) = cloth.threads().split_at(cloth.weave().expect("it is a weave").ends.len());
     let steps = || (-20..=20).map(|step| f64::from(step) / 20.0);
     let mut deepest = f64::NEG_INFINITY;
     for end in ends {
         for pick in picks {
-            let side = if cloth.weave().warp_over(end.index, pick.index) { 1.0 } else { -1.0 };
+            let side = if cloth.weave().expect("it is a weave").warp_over(end.index, pick.index) { 1.0 } else { -1.0 };
             for a in steps() {
                 let off_x = a * cloth.yarn(end).width / 2.0;
                 for b in steps() {
@@ -44,8 +44,8 @@ fn penetration(cloth: &Cloth, height: impl Fn(&Thread, f64) -> f64) -> f64 {
 fn by_rule(cloth: &Cloth, rule: fn(f64) -> f64) -> impl Fn(&Thread, f64) -> f64 {
     move |thread, along| {
         let spacing = match thread.system {
-            System::Warp => cloth.weave().pick_spacing,
-            System::Weft => cloth.weave().end_spacing,
+            System::Warp => cloth.weave().expect("it is a weave").pick_spacing,
+            System::Weft => cloth.weave().expect("it is a weave").end_spacing,
         };
         let place = along / spacing - 0.5;
         let at = |crossing: f64| cloth.axis_height(thread, (crossing + 0.5) * spacing);
@@ -148,11 +148,12 @@ fn axes_at_a_crossing_are_half_the_heights_apart_and_share_the_crimp() {
     for warp_crimp_share in [0.0, 0.3, 1.0] {
         for woven in weaves(0.9, warp_crimp_share) {
             let cloth = woven.cloth();
-            let (ends, picks) = cloth.threads().split_at(cloth.weave().ends.len());
+            let (ends, picks) = cloth.threads().split_at(cloth.weave().expect("it is a weave").ends.len());
             // Opposite crossings of one end with one yarn are symmetric about the middle plane.
             for end in ends {
                 for pick in picks {
-                    let side = if cloth.weave().warp_over(end.index, pick.index) { 1.0 } else { -1.0 };
+                    let side =
+                        if cloth.weave().expect("it is a weave").warp_over(end.index, pick.index) { 1.0 } else { -1.0 };
                     let apart = cloth.axis_height(end, pick.at) - cloth.axis_height(pick, end.at);
                     let touching = (cloth.yarn(end).height + cloth.yarn(pick).height) / 2.0;
                     assert!((apart - side * touching).abs() < 1e-12, "{apart} and {touching}");
@@ -231,7 +232,8 @@ fn a_turned_draft_gives_the_turned_cloth() {
     let mut woven = weaves(0.8, 0.3).remove(3);
     woven.ends_per_cm = 18.0;
     let (cloth, other) = (woven.cloth(), turned(&woven).cloth());
-    let (ends, picks) = (cloth.weave().ends.len(), cloth.weave().picks.len());
+    let (ends, picks) =
+        (cloth.weave().expect("it is a weave").ends.len(), cloth.weave().expect("it is a weave").picks.len());
     assert!((cloth.period().x - other.period().y).abs() < 1e-12);
     assert!((cloth.thickness() - other.thickness()).abs() < 1e-12);
     let mut differences = 0;
@@ -246,7 +248,12 @@ fn a_turned_draft_gives_the_turned_cloth() {
     }
     assert!(differences > 50, "a mirrored cloth would not pass");
     let (figures, turned) = (cloth.statistics(), other.statistics());
-    assert!((figures.crimp[0] - turned.crimp[1]).abs() < 1e-9 && (figures.cover[1] - turned.cover[0]).abs() < 1e-9);
+    let (Shape::Woven { crimp, cover, .. }, Shape::Woven { crimp: other_crimp, cover: other_cover, .. }) =
+        (figures.shape, turned.shape)
+    else {
+        panic!("they are woven");
+    };
+    assert!((crimp[0] - other_crimp[1]).abs() < 1e-9 && (cover[1] - other_cover[0]).abs() < 1e-9);
 }
 
 #[test]
@@ -297,7 +304,7 @@ fn every_weave_that_fits_can_be_drawn() {
 
 /// The share of the area where the warp is seen first, from the front and from the back.
 fn warp_seen(cloth: &Cloth) -> [f64; 2] {
-    let (ends, picks) = cloth.threads().split_at(cloth.weave().ends.len());
+    let (ends, picks) = cloth.threads().split_at(cloth.weave().expect("it is a weave").ends.len());
     let mut seen = [0.0; 2];
     for step in 0..160_000 {
         let x = (f64::from(step % 400) + 0.5) / 400.0 * cloth.period().x;
@@ -347,7 +354,8 @@ fn presets_are_the_cloths_that_they_are_named_for() {
         assert!(within(cloth.thickness(), thickness), "{name}: {} mm", cloth.thickness());
         assert!(within(figures.openness, openness), "{name}: {figures:?}");
         assert!(figures.densest < 0.9, "{name}: {figures:?}");
-        assert!(figures.steepest.into_iter().all(|slope| slope < 47f64.to_radians()), "{name}: {figures:?}");
+        let Shape::Woven { steepest, .. } = figures.shape else { panic!("{name} is woven") };
+        assert!(steepest.into_iter().all(|slope| slope < 47f64.to_radians()), "{name}: {figures:?}");
         assert!(figures.penetration.abs() < 1e-9);
     }
     // The front of denim shows the blue warp, its back the weft; the same of satins and, less so, of gabardine.
@@ -365,12 +373,12 @@ fn presets_are_the_cloths_that_they_are_named_for() {
     // (jeffbankssavilerow.com), lining 210 (texsuppliers.com).
     for (name, least, most) in [("muslin", 128.0, 130.0), ("linen", 80.0, 150.0), ("lining", 209.5, 210.5)] {
         let cloth = preset(name);
-        let threads = 25.4 / cloth.weave().end_spacing + 25.4 / cloth.weave().pick_spacing;
+        let threads = 25.4 / cloth.spacing().x + 25.4 / cloth.spacing().y;
         assert!((least..=most).contains(&threads), "{name}: {threads}");
     }
     // The diagonal of gabardine climbs at 63 degrees (simmis.net/news/gabardine-fabric), to the right on the front.
     let cloth = preset("gabardine");
-    let weave = cloth.weave();
+    let weave = cloth.weave().expect("it is a weave");
     assert!(((weave.pick_spacing / weave.end_spacing).atan().to_degrees() - 63.0).abs() < 1.0);
     for end in 0..3 {
         assert!(!weave.warp_over(end, end), "the weft lies on top of end {end} at pick {end}");

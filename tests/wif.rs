@@ -32,7 +32,7 @@ fn weave(wif: impl AsRef<[u8]>, lines: &str) -> Weave {
     let scene = parse_in(&Place::new(), wif, lines).unwrap_or_else(|error| panic!("{error}"));
     match scene.structure {
         Structure::Weave(weave) => weave,
-        Structure::Sheet(_) => panic!("it is a weave"),
+        Structure::Sheet(_) | Structure::Knit(_) => panic!("it is a weave"),
     }
 }
 
@@ -305,7 +305,7 @@ fn a_long_file_is_cut_down_to_its_repeat() {
         let source = Source { file: "cloth.toml".into(), stem: "c".into(), text, folder: Some(place.path("")) };
         match Scene::parse(&source).unwrap_or_else(|error| panic!("{error}")).structure {
             Structure::Weave(weave) => weave.draft(),
-            Structure::Sheet(_) => panic!("it is a weave"),
+            Structure::Sheet(_) | Structure::Knit(_) => panic!("it is a weave"),
         }
     };
     assert_eq!(chosen(&point, "ends = [1, 4]"), TWILL);

@@ -43,10 +43,17 @@ fn refuse(cases: &[(&str, &str, &str)]) {
 #[test]
 fn the_file_itself_is_fine_and_its_repeat_is_the_common_multiple() {
     let cloth = Cloth::new(&parse(CLOTH).expect("it is right")).expect("it can be laid out");
-    assert_eq!((cloth.weave().ends.len(), cloth.weave().picks.len()), (3, 6));
-    assert_eq!(cloth.weave().picks, [0, 1, 0, 1, 0, 1]);
+    assert_eq!(
+        (cloth.weave().expect("it is a weave").ends.len(), cloth.weave().expect("it is a weave").picks.len()),
+        (3, 6)
+    );
+    assert_eq!(cloth.weave().expect("it is a weave").picks, [0, 1, 0, 1, 0, 1]);
     // The last row of the draft is the first pick: the first end lies under it.
-    assert!(!cloth.weave().warp_over(0, 0) && cloth.weave().warp_over(2, 0) && !cloth.weave().warp_over(0, 3));
+    assert!(
+        !cloth.weave().expect("it is a weave").warp_over(0, 0)
+            && cloth.weave().expect("it is a weave").warp_over(2, 0)
+            && !cloth.weave().expect("it is a weave").warp_over(0, 3)
+    );
     // Yarns and fibers that have no use are fine.
     assert!(parse(&CLOTH.replace("weft = [\"a\", \"b\"]", "weft = [\"a\"]")).is_ok());
 }
@@ -292,21 +299,21 @@ fn a_cloth_is_a_sheet_or_a_weave() {
     let weave = &CLOTH[CLOTH.find("[weave]").expect("it is there")..];
     let yarns = &CLOTH[CLOTH.find("[yarn.a]").expect("it is there")..CLOTH.find("[weave]").expect("it is there")];
     refuse(&[
-        ("[weave]", sheet, "20:1: a cloth is a [sheet] or a [weave], not both"),
-        (weave, "", "1:1: the file needs a [sheet] or a [weave]"),
-        (weave, sheet.trim_end_matches("[weave]"), "4:2: [yarn] belongs to a [weave], and the file has none"),
-        (yarns, "", "1:1: the file needs `yarn`"),
+        ("[weave]", sheet, "20:1: a cloth is one of [sheet], [weave] and [knit]"),
+        (weave, "", "1:1: the file needs a [sheet], a [weave] or a [knit]"),
         (
-            "[weave]",
-            "[knit]\n[weave]",
-            "14:2: `knit` describes a knitted cloth, which is not available yet; describe a [sheet] or a [weave]",
+            weave,
+            sheet.trim_end_matches("[weave]"),
+            "4:2: [yarn] belongs to a [weave] or a [knit], and the file has none",
         ),
+        (yarns, "", "1:1: the file needs `yarn`"),
+        ("[weave]", "[knit]\n[weave]", "14:1: a cloth is one of [sheet], [weave] and [knit]"),
         (yarns, "[yarn]\na = 3\n", "5:5: `yarn.a` is 3, but must be a table: [yarn.NAME] describes a yarn"),
     ]);
     let place = Place::new();
     for flag in [["--cells", "4x4x4"], ["--cone", "3"]] {
         let outcome = place.run(&["measure", "felt", flag[0], flag[1]]);
-        let message = format!("error: {}:1:1: it belongs to a woven cloth; leave it out\n", flag[0]);
+        let message = format!("error: {}:1:1: it belongs to a woven or knitted cloth; leave it out\n", flag[0]);
         assert_eq!((outcome.code, outcome.stderr), (Some(2), message));
     }
 }

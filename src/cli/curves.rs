@@ -10,10 +10,10 @@ use fiberwalk::{Error, Result};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Write the fibers of a woven cloth as curves, as they are drawn for one realization
+/// Write the fibers of a weave or a knit as curves, as they are drawn for one realization
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, voile
+    /// Cloth file, or a preset: charmeuse, denim, dimout, gabardine, jersey, linen, lining, muslin, rib, sheer, voile
     cloth: String,
     /// mitsuba: a text file for its shapes linearcurve (exact) and bsplinecurve (rounded); obj: polylines
     #[arg(long, value_name = "FORMAT")]
@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Number of the random draw
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     realization: u64,
-    /// Repeats along the weft and the warp
+    /// Repeats along x (the weft, a course) and y (the warp, a wale)
     #[arg(long, value_name = "NxM", default_value = "1x1", value_parser = repeats, allow_negative_numbers = true)]
     repeats: [u32; 2],
     /// Only fibers of this kind, such as one that has a material of its own
@@ -49,8 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = Scene::parse(&source)?;
     if let Structure::Sheet(_) = &scene.structure {
-        let message =
-            "a sheet has no fibers that lie anywhere: it says how many run which way; curves are those of a weave";
+        let message = "a sheet has no fibers that lie anywhere: it says how many run which way; curves are those of a weave or a knit";
         return Err(Error::Input(message.into()));
     }
     let cloth = Cloth::new(&scene)?;
@@ -82,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The kind of fiber that a user names, among those of the threads.
 fn find_kind(cloth: &Cloth, name: &str) -> Result<usize> {
-    let kinds = cloth.weave().kinds();
+    let kinds = cloth.used_kinds();
     let names: Vec<&str> = kinds.iter().map(|&kind| cloth.kinds()[kind].name.as_str()).collect();
     let found = names.iter().position(|known| *known == name);
     found.and_then(|place| kinds.get(place).copied()).ok_or_else(|| {

@@ -14,13 +14,13 @@ use std::path::PathBuf;
 /// Say what a cloth and its model are, without measuring it; draw a weave: weave.png
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, linen, lining, muslin, nonwoven,
-    /// sheer, voile
+    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, jersey, linen, lining, muslin,
+    /// nonwoven, rib, sheer, voile
     cloth: String,
-    /// Folder of the picture of a weave [default: the file's stem or the preset's name]
+    /// Folder of the picture of a weave or a knit [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Width of the picture of a weave in pixels [default: 1600]
+    /// Width of the picture of a weave or a knit in pixels [default: 1600]
     #[arg(long, value_name = "PIXELS", value_parser = width, allow_negative_numbers = true)]
     width: Option<usize>,
 }
@@ -34,12 +34,12 @@ fn width(text: &str) -> std::result::Result<usize, String> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = Scene::parse(&source)?;
-    if let Structure::Weave(_) = &scene.structure {
+    if let Structure::Weave(_) | Structure::Knit(_) = &scene.structure {
         let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
         return woven::run(&scene, &folder, arguments.width.unwrap_or(1600));
     }
     if arguments.output.is_some() || arguments.width.is_some() {
-        let message = "a sheet has no weave to draw: leave out -o and --width";
+        let message = "a sheet has no yarns to draw: leave out -o and --width";
         return Err(Error::Input(message.into()));
     }
     let prepared = prepare(&scene)?;

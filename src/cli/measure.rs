@@ -19,8 +19,8 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, linen, lining, muslin, nonwoven,
-    /// sheer, voile
+    /// Cloth file, or a preset: charmeuse, denim, dimout, felt, gabardine, jersey, linen, lining, muslin,
+    /// nonwoven, rib, sheer, voile
     cloth: String,
     /// Result folder [default: the file's stem or the preset's name]
     #[arg(short, long, value_name = "DIR")]
@@ -55,7 +55,8 @@ pub struct Arguments {
     /// Where the next flight starts: at-hit
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
-    /// Cells of the repeat of a weave along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at most 2^18 cells]
+    /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at
+    /// most 2^18 cells]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
     /// Cells of the grid of fiber directions, a square number [default: 1024]
@@ -167,13 +168,13 @@ fn describe(
     let depth = prepared.tables.depth();
     let mut lines = vec![format!("{}: {}", source.file, scene.name)];
     match (&scene.structure, &prepared.gathering) {
-        (Structure::Weave(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
+        (Structure::Weave(_) | Structure::Knit(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
         (Structure::Sheet(sheet), _) => {
             let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
             let fraction = sheet.volume_fraction(&scene.fibers);
             lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
         }
-        (Structure::Weave(_), None) => {}
+        (Structure::Weave(_) | Structure::Knit(_), None) => {}
     }
     if prepared.specific_length.spread_error > 0.0 {
         lines.push(format!(

@@ -1,7 +1,9 @@
 //! One random draw of all fibers, as polylines.
 
 use super::flyaways::{Hair, LoopSet};
-use super::woven::{Cloth, System, Thread};
+use super::knit::Frame;
+use super::repeat::{Axis, Cloth, System, Thread};
+use super::steps::Station;
 use glam::{DVec2, DVec3};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -45,9 +47,11 @@ impl Cloth {
             let own = loops.of(index);
             let corner = |pieces: f64| {
                 let station = steps.at(pieces);
-                let inside = section.place(strand, station.length);
-                let off = loops.lead_out(&own, section, strand.kind, station.length, inside);
-                self.point(place, station.along, station.height, off)
+                let frame = self.frame(place, &station);
+                let turn = frame.map_or(0.0, |frame| frame.turn);
+                let inside = section.place(strand, station.length, turn);
+                let off = loops.lead_out(&own, section, strand.kind, [station.length, turn], inside);
+                self.point(place, &station, frame, off)
             };
             // Shift the corners of each fiber, so that their pieces do not end side by side.
             let first = rng.random::<f64>();
@@ -73,20 +77,35 @@ impl Cloth {
         for hair in Hair::draw(&hairs, section, steps, &mut loose) {
             (curve.radius, curve.kind) = (section.radius(hair.kind), hair.kind);
             curve.points.clear();
+            let mut root = None;
             hair.trace(section, steps, |station, off| {
-                curve.points.push(self.point(place, station.along, station.height, off));
+                // In a knit it goes on along the tangent.
+                let (frame, start) = *root.get_or_insert_with(|| (self.frame(place, &station), station.along));
+                let frame = frame.map(|frame: Frame| frame.ahead(station.along - start));
+                curve.points.push(self.point(place, &station, frame, off));
             });
             take(&curve);
         }
     }
 
-    /// The point of a thread at a distance along its direction, off its axis by `place` (left, up).
-    fn point(&self, thread: &Thread, along: f64, height: f64, place: DVec2) -> DVec3 {
-        let z = height + place.y;
+    /// The frame of a thread at a station, if it lies in loops.
+    fn frame(&self, thread: &Thread, station: &Station) -> Option<Frame> {
+        match self.axis(thread) {
+            Axis::Plane(_) => None,
+            Axis::Loops(course) => Some(course.at(station.along)),
+        }
+    }
+
+    /// The point of a thread at a station, off its axis by `place` (left, up).
+    fn point(&self, thread: &Thread, station: &Station, frame: Option<Frame>, place: DVec2) -> DVec3 {
+        if let Some(frame) = frame {
+            return frame.off(place);
+        }
+        let z = station.height + place.y;
         // Left is up × the thread's direction.
         match thread.system {
-            System::Warp => DVec3::new(thread.at - place.x, along, z),
-            System::Weft => DVec3::new(along, thread.at + place.x, z),
+            System::Warp => DVec3::new(thread.at - place.x, station.along, z),
+            System::Weft => DVec3::new(station.along, thread.at + place.x, z),
         }
     }
 }

@@ -31,7 +31,7 @@ struct Loop {
     at: f64,
     /// Height of its top over the yarn's surface in mm.
     height: f64,
-    /// Eccentric angle of the top in radians.
+    /// Eccentric angle of the top in radians, against the frame that the twist is counted against.
     angle: f64,
 }
 
@@ -80,7 +80,7 @@ impl LoopSet {
             // What lies beyond the cut comes back at the other end.
             let images = [at - period, at, at + period].into_iter();
             for at in images.filter(|at| at + half > start && at - half < start + period) {
-                set.loops.push(Loop { strand, at, height, angle: section.disc(&strands[strand], at).to_angle() });
+                set.loops.push(Loop { strand, at, height, angle: section.disc(&strands[strand], at, 0.0).to_angle() });
             }
         }
         set.loops.sort_by_key(|one| one.strand);
@@ -93,14 +93,22 @@ impl LoopSet {
         first..self.loops.partition_point(|one| one.strand <= strand)
     }
 
-    /// Where a fiber with these loops lies at a length of the axis if it would lie at `inside` without them.
-    pub fn lead_out(&self, loops: &Range<usize>, section: &Section, kind: usize, length: f64, inside: DVec2) -> DVec2 {
+    /// Where a fiber with these loops lies if it would lie at `inside` without them, at a length of the axis and an angle of
+    /// the frame that the twist is counted against.
+    pub fn lead_out(
+        &self,
+        loops: &Range<usize>,
+        section: &Section,
+        kind: usize,
+        [length, turn]: [f64; 2],
+        inside: DVec2,
+    ) -> DVec2 {
         let near = |one: &&Loop| (length - one.at).abs() < self.half;
         let Some(one) = self.loops[loops.clone()].iter().find(near) else { return inside };
         let off = length - one.at;
         let share = (1.0 + (PI * off / self.half).cos()) / 2.0;
         // Between a point inside and one at the height h the fiber is at most as high as its share of h.
-        inside.lerp(section.rim(kind).point(one.angle + self.twist * off, one.height), share)
+        inside.lerp(section.rim(kind).point(one.angle + self.twist * off + turn, one.height), share)
     }
 
     /// Parts that a piece between two lengths of the axis must be cut into.

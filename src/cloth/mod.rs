@@ -1,8 +1,9 @@
 //! The explicit cloth: the geometry that the distribution calculator counts (paper §5).
 //!
-//! Computes: the axes of the threads of one repeat of a weave, and random draws of all their fibers as straight pieces.
+//! Computes: the axes of the threads of one repeat of a weave or a knit, and random draws of all their fibers as straight
+//! pieces.
 //!
-//! Inputs: a checked scene with a `[weave]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
+//! Inputs: a checked scene with a `[weave]` or a `[knit]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
 //! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.
 //!
 //! Differs from the paper, which leaves the geometry to its first reference:
@@ -14,15 +15,21 @@
 //!   turned: it is thinner by the cosine of its slope, as one that squeezes between its neighbours. For this the gap
 //!   between two yarns has a closed form, and yarns touch without running through each other
 //!   ([`Cloth::largest_penetration`]). The limit: sections do not change from place to place, and where a yarn climbs
-//!   steeply its fibers are packed closer by the same factor ([`Statistics::steepest`]).
+//!   steeply its fibers are packed closer by the same factor ([`Statistics::densest`]).
+//! - Loops of a knit bend as little as they can at the stated density and loop length, with their axes a diameter apart
+//!   wherever yarns meet. Their sections stand across the axis; contact takes them as circles of the mean diameter.
 //! - Fibers fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),
-//!   so they may overlap. Hairs and loops follow the bends of their yarn; nothing keeps them out of other yarns. Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random
-//!   place, and there its fibers jump.
+//!   so they may overlap. Loops of fibers follow the bends of their yarn, and so do hairs of a weave; hairs of a knit stand
+//!   on the tangent of their yarn where they leave it. Nothing keeps them out of other yarns.
+//! - Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random place, and
+//!   there its fibers jump.
 
 mod curves;
 mod flyaways;
+mod knit;
 mod path;
 mod realization;
+mod repeat;
 mod rim;
 mod section;
 mod statistics;
@@ -31,5 +38,5 @@ mod woven;
 
 pub use curves::Curve;
 pub use realization::Primitive;
-pub use statistics::Statistics;
-pub use woven::{Cloth, System, Thread};
+pub use repeat::{Cloth, System, Thread};
+pub use statistics::{Shape, Statistics};

@@ -1,9 +1,12 @@
 //! The axis of a thread: arcs on the yarns that it crosses, and the tangents between them.
 
+use super::steps::Curve;
 use glam::DVec2;
 
 /// No axis climbs more steeply than this: yarns that leave each other no room at all.
 const MAX_SLOPE: f64 = 1e6;
+/// Parts of an arc or a line that have one step length.
+const PARTS: usize = 24;
 /// Nodes and weights of the Gauss–Legendre rule of four points on [−1, 1].
 const GAUSS: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
@@ -154,12 +157,43 @@ impl Path {
         }
     }
 
+    /// A part of an element: from one fraction of it to another.
+    fn part(&self, part: usize) -> (&Element, f64, f64) {
+        let cut = |place: usize| place as f64 / PARTS as f64;
+        (&self.elements[part / PARTS], cut(part % PARTS), cut(part % PARTS + 1))
+    }
+
     /// Length of the axis over one period in mm.
     pub fn length(&self) -> f64 {
         let parts = |element: &Element| {
             (0..16).map(|part| element.length(f64::from(part) / 16.0, f64::from(part + 1) / 16.0)).sum::<f64>()
         };
         self.elements.iter().map(parts).sum()
+    }
+}
+
+impl Curve for Path {
+    fn parts(&self) -> usize {
+        PARTS * self.elements.len()
+    }
+
+    fn part_length(&self, part: usize) -> f64 {
+        let (element, start, end) = self.part(part);
+        element.length(start, end)
+    }
+
+    fn part_curvature(&self, part: usize) -> f64 {
+        let (element, start, end) = self.part(part);
+        element.curvature(start, end)
+    }
+
+    fn part_point(&self, part: usize, fraction: f64) -> DVec2 {
+        let (element, start, end) = self.part(part);
+        element.point(start + fraction * (end - start))
+    }
+
+    fn advance(&self) -> f64 {
+        self.period
     }
 }
 

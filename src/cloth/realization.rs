@@ -1,7 +1,7 @@
 //! One random draw of all fibers, as straight pieces.
 
 use super::curves::Curve;
-use super::woven::Cloth;
+use super::repeat::Cloth;
 use glam::DVec3;
 
 /// A straight piece of a fiber; lengths in mm.

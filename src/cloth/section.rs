@@ -141,20 +141,21 @@ impl Section {
     }
 
     /// Place of a fiber in the section after a length of yarn, in mm: (left, up) for one who looks along the thread;
-    /// left × up is its direction, so a positive twist makes a right-handed helix.
-    pub fn place(&self, strand: &Strand, length: f64) -> DVec2 {
-        self.inside(strand.kind) * self.disc(strand, length)
+    /// left × up is its direction, so a positive twist makes a right-handed helix. `turn` is the angle in radians of the
+    /// frame that the twist is counted against.
+    pub fn place(&self, strand: &Strand, length: f64, turn: f64) -> DVec2 {
+        self.inside(strand.kind) * self.disc(strand, length, turn)
     }
 
     /// Place of a fiber in the unit disc after a length of yarn.
-    pub fn disc(&self, strand: &Strand, length: f64) -> DVec2 {
-        let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length);
+    pub fn disc(&self, strand: &Strand, length: f64, turn: f64) -> DVec2 {
+        let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length + turn);
         let turned = TAU * self.yarn.ply_twist * length;
         let radius = match &self.yarn.migration {
             None => strand.radius,
             Some(migration) => strand.radius * migration.share(strand.phase + migration.periods_per_turn * turned),
         };
-        ply + radius * DVec2::from_angle(strand.azimuth + turned)
+        ply + radius * DVec2::from_angle(strand.azimuth + turned + turn)
     }
 
     /// Semi-axes of the ellipse that the disc becomes: it keeps the surface of a fiber of this kind inside.

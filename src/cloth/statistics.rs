@@ -1,19 +1,15 @@
 //! What can be said of a cloth in a few numbers.
 
-use super::woven::{Cloth, System, Thread};
+use super::repeat::{Axis, Cloth, System, Thread};
 use std::f64::consts::PI;
 
 /// Figures of one repeat of a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
-    /// Length of the axes of the warp and of the weft over their straight length, less 1.
-    pub crimp: [f64; 2],
-    /// Steepest slope of an axis of the warp and of the weft in radians.
-    pub steepest: [f64; 2],
+    /// The figures that weaves and knits have of their own.
+    pub shape: Shape,
     /// Deepest that two yarns run into each other in mm; 0 up to rounding.
     pub penetration: f64,
-    /// Share of the area that the warp and the weft cover, seen along z.
-    pub cover: [f64; 2],
     /// Share of the area that any yarn covers, seen along z.
     pub cover_factor: f64,
     /// The rest.
@@ -22,7 +18,8 @@ pub struct Statistics {
     pub areal_mass: Option<f64>,
     /// Share of the volume that is fiber.
     pub volume_fraction: f64,
-    /// Largest share of the section of a yarn's plies that is fiber, where it climbs most steeply; real fibers reach 0.9.
+    /// Largest share of the section of a yarn's plies that is fiber: where it climbs most steeply in a weave, on the inside of
+    /// the tightest bend of a knit. Real fibers reach 0.9.
     pub densest: f64,
     /// Fibers of the repeat.
     pub fibers: usize,
@@ -30,26 +27,68 @@ pub struct Statistics {
     pub pieces: usize,
 }
 
+/// How the threads run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// Of a weave; warp, then weft.
+    Woven {
+        /// Length of the axes over their straight length, less 1.
+        crimp: [f64; 2],
+        /// Steepest slope of an axis in radians.
+        steepest: [f64; 2],
+        /// Share of the area that the system covers, seen along z.
+        cover: [f64; 2],
+    },
+    /// Of a knit.
+    Knitted {
+        /// Length of the axis in a loop in mm.
+        loop_length: f64,
+        /// Loops in a mm².
+        stitch_density: f64,
+        /// Steepest slope of the axis in radians.
+        steepest: f64,
+        /// Least radius of curvature of the axis in mm.
+        tightest: f64,
+    },
+}
+
 impl Cloth {
     /// The figures of the cloth; lengths of fibers are those of one realization.
     pub fn statistics(&self) -> Statistics {
-        let systems = [System::Warp, System::Weft];
-        let of = |system: System| self.threads().iter().filter(move |thread| thread.system == system);
-        let crimp = systems.map(|system| {
-            let length: f64 = of(system).map(|thread| self.path(thread).length()).sum();
-            let straight: f64 = of(system).map(|thread| self.path(thread).period).sum();
-            length / straight - 1.0
-        });
-        let slope = |thread: &Thread| self.path(thread).steepest;
-        let steepest = systems.map(|system| of(system).map(slope).fold(0.0, f64::max).atan());
-        let cover = systems.map(|system| {
-            let period = if system == System::Warp { self.period().x } else { self.period().y };
-            of(system).map(|thread| self.yarn(thread).width).sum::<f64>() / period
-        });
-        let densest =
-            self.threads().iter().map(|thread| self.yarn(thread).packing(self.kinds()) * slope(thread).hypot(1.0));
-        // Both systems are straight seen from above, so what one leaves open the other covers in proportion.
-        let openness = (1.0 - cover[0]) * (1.0 - cover[1]);
+        let steepest = |thread: &Thread| self.axis(thread).steepest();
+        let packing = |thread: &Thread| self.yarn(thread).packing(self.kinds());
+        let (shape, openness, densest) = match (self.knit(), self.axis(&self.threads()[0])) {
+            (Some(knit), Axis::Loops(course)) => {
+                let tightest = 1.0 / course.tightest();
+                let shape = Shape::Knitted {
+                    loop_length: course.length / knit.wales() as f64,
+                    stitch_density: 1.0 / (knit.wale_spacing * knit.course_spacing),
+                    steepest: course.steepest().atan(),
+                    tightest,
+                };
+                // A section keeps its middle; its inside is as much shorter as the bend is tight.
+                let inside = 1.0 - knit.diameter() / 2.0 / tightest;
+                (shape, 1.0 - course.cover(&knit.yarn, self.period()), packing(&self.threads()[0]) / inside)
+            }
+            _ => {
+                let systems = [System::Warp, System::Weft];
+                let of = |system: System| self.threads().iter().filter(move |thread| thread.system == system);
+                let crimp = systems.map(|system| {
+                    let length: f64 = of(system).map(|thread| self.axis(thread).length()).sum();
+                    let straight: f64 = of(system).map(|thread| self.axis(thread).period()).sum();
+                    length / straight - 1.0
+                });
+                let cover = systems.map(|system| {
+                    let period = if system == System::Warp { self.period().x } else { self.period().y };
+                    of(system).map(|thread| self.yarn(thread).width).sum::<f64>() / period
+                });
+                let steep = systems.map(|system| of(system).map(steepest).fold(0.0, f64::max).atan());
+                let filled = self.threads().iter().map(|thread| packing(thread) * steepest(thread).hypot(1.0));
+                // Both systems are straight seen from above, so what one leaves open the other covers in proportion.
+                let openness = (1.0 - cover[0]) * (1.0 - cover[1]);
+                (Shape::Woven { crimp, steepest: steep, cover }, openness, filled.fold(0.0, f64::max))
+            }
+        };
         let (lengths, pieces) = self.fiber_lengths();
         let area = self.period().x * self.period().y;
         let volumes = lengths.iter().zip(self.kinds()).map(|(length, fiber)| PI * fiber.radius.powi(2) * length);
@@ -57,16 +96,14 @@ impl Cloth {
         let mass = volumes.clone().zip(self.kinds()).filter(|(volume, _)| *volume > 0.0);
         let mass = mass.map(|(volume, fiber)| Some(volume * fiber.density? * 1e3 / area)).sum();
         Statistics {
-            crimp,
-            steepest,
+            shape,
             penetration: self.largest_penetration(),
-            cover,
             cover_factor: 1.0 - openness,
             openness,
             areal_mass: mass,
             volume_fraction: volumes.sum::<f64>() / (area * self.thickness()),
-            densest: densest.fold(0.0, f64::max),
-            fibers: self.weave().fibers(),
+            densest,
+            fibers: self.threads().iter().map(|thread| self.yarn(thread).fibers()).sum(),
             pieces,
         }
     }

@@ -1,11 +1,9 @@
 //! Where the polylines of the fibers of a thread have their corners.
 
-use super::path::Path;
+use glam::DVec2;
 
 /// Corners of the table of an axis for each piece of a fiber.
 const FINE: usize = 4;
-/// Parts of an arc or a line that have one step length.
-const PARTS: usize = 24;
 /// Sagitta of a piece in radii of the fiber at most. Between the corners of the table the axis is straight, which adds up
 /// to a sixteenth of it.
 const SAGITTA: f64 = 0.09;
@@ -19,14 +17,28 @@ const GRADING: f64 = 0.25;
 /// and a little for the finite parts.
 const SLACK: f64 = 1.17;
 
+/// An axis, part by part.
+pub trait Curve {
+    /// Number of parts of a period; a part has one step length.
+    fn parts(&self) -> usize;
+    /// Length of a part in mm.
+    fn part_length(&self, part: usize) -> f64;
+    /// Largest curvature of a part in 1/mm.
+    fn part_curvature(&self, part: usize) -> f64;
+    /// The point at a fraction of a part: how far along, and how high, in mm.
+    fn part_point(&self, part: usize, fraction: f64) -> DVec2;
+    /// How far a period goes along, in mm.
+    fn advance(&self) -> f64;
+}
+
 /// A point of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Station {
     /// Length of the axis up to here in mm.
     pub length: f64,
-    /// Distance along the thread's direction in mm.
+    /// Distance along the thread's direction in mm; in a knit it is the length as well.
     pub along: f64,
-    /// Height in mm.
+    /// Height in mm; in a knit it has no use.
     pub height: f64,
 }
 
@@ -64,14 +76,9 @@ impl Limits {
 
 impl Steps {
     /// Cut an axis, if that takes no more than so many pieces.
-    pub fn new(path: &Path, limits: &Limits, most: f64) -> Option<Steps> {
-        let parts = path.elements.iter().flat_map(|element| {
-            let cut = |part: usize| part as f64 / PARTS as f64;
-            (0..PARTS).map(move |part| (element, cut(part), cut(part + 1)))
-        });
-        let lengths: Vec<f64> = parts.clone().map(|(element, start, end)| element.length(start, end)).collect();
-        let curvature = parts.clone().map(|(element, start, end)| element.curvature(start, end));
-        let mut steps: Vec<f64> = curvature.map(|curvature| limits.step(curvature)).collect();
+    pub fn new(curve: &impl Curve, limits: &Limits, most: f64) -> Option<Steps> {
+        let lengths: Vec<f64> = (0..curve.parts()).map(|part| curve.part_length(part)).collect();
+        let mut steps: Vec<f64> = (0..curve.parts()).map(|part| limits.step(curve.part_curvature(part))).collect();
         grade(&mut steps, &lengths);
 
         // Lay stations at equal distances in pieces.
@@ -83,10 +90,10 @@ impl Steps {
         let wanted = (pieces * FINE as f64).ceil().max(FINE as f64) as usize;
         let mut stations = Vec::with_capacity(wanted + 1);
         let (mut passed, mut length) = (0.0, 0.0);
-        for ((count, part_length), (element, start, end)) in counts.zip(&lengths).zip(parts) {
+        for (part, (count, part_length)) in counts.zip(&lengths).enumerate() {
             while stations.len() < wanted && pieces * stations.len() as f64 / wanted as f64 <= passed + count {
                 let fraction = (pieces * stations.len() as f64 / wanted as f64 - passed) / count;
-                let point = element.point(start + fraction * (end - start));
+                let point = curve.part_point(part, fraction);
                 stations.push(Station { length: length + fraction * part_length, along: point.x, height: point.y });
             }
             passed += count;
@@ -94,8 +101,8 @@ impl Steps {
         }
         // Close the period where it began, however the sums were rounded.
         let first = stations[0];
-        stations.resize(wanted, Station { length, along: first.along + path.period, ..first });
-        stations.push(Station { length, along: first.along + path.period, ..first });
+        stations.resize(wanted, Station { length, along: first.along + curve.advance(), ..first });
+        stations.push(Station { length, along: first.along + curve.advance(), ..first });
         Some(Steps { pieces, limits: *limits, stations })
     }
 

@@ -1,4 +1,4 @@
-//! The distribution calculator: f(p, x) of a woven cloth from its explicit fibers (paper §5).
+//! The distribution calculator: f(p, x) of a cloth of yarns from its explicit fibers (paper §5).
 
 use super::cells::{Cell, CellGrid};
 use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
@@ -101,7 +101,7 @@ pub struct Element<'a> {
 }
 
 impl SpecificLength {
-    /// Count the fibers of a woven cloth: the mean over realizations. `progress` is told the share that is done.
+    /// Count the fibers of a woven or knitted cloth: the mean over realizations. `progress` is told the share that is done.
     ///
     /// # Errors
     /// Those of [`SpecificLength::of_pieces`].
@@ -113,10 +113,9 @@ impl SpecificLength {
     ) -> Result<(SpecificLength, Gathering)> {
         let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
         let counts = model.cells.unwrap_or_else(|| default_counts(cloth));
-        let weave = cloth.weave();
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
-            list_width: DVec3::new(weave.end_spacing, weave.pick_spacing, cloth.thickness()) * LIST_WIDTH,
+            list_width: cloth.spacing().extend(cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
             realize: &|number| cloth.realize(SEED, number),
         };
@@ -200,7 +199,7 @@ fn grids(element: &Element, model: &Model) -> Grids {
 
 /// Cells of the usual edge, fewer where that would be too many.
 fn default_counts(cloth: &Cloth) -> [u32; 3] {
-    let kinds = cloth.weave().kinds();
+    let kinds = cloth.used_kinds();
     let radius = kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);
     let mut edge = EDGE * radius;
     loop {

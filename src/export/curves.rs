@@ -93,10 +93,11 @@ fn header(cloth: &Cloth, name: &str, choice: &CurveChoice) -> Vec<String> {
     let visible = |c: char| if c.is_control() { ' ' } else { c };
     let name: String = name.chars().take(LONGEST_NAME).map(visible).collect();
     let (size, [nx, ny]) = (cloth.size(), choice.repeats);
+    let axes = if cloth.knit().is_some() { "x courses, y wales" } else { "x weft, y warp" };
     vec![
         format!("fiberwalk {}: {name}", env!("CARGO_PKG_VERSION")),
         format!(
-            "in mm; x weft, y warp, z up from the front's highest point, the back at {:.6}; seed {SEED}, realization {}",
+            "in mm; {axes}, z up from the front's highest point, the back at {:.6}; seed {SEED}, realization {}",
             -size.z, choice.realization
         ),
         format!("period {:.9} {:.9}; repeats {nx}x{ny}; fibers run on beyond the period", size.x, size.y),

@@ -74,7 +74,7 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
     prepare_with(scene, |_| {})
 }
 
-/// As [`prepare`]; `progress` is told the share of the fibers of a woven cloth that are counted.
+/// As [`prepare`]; `progress` is told the share of the fibers of a cloth of yarns that are counted.
 ///
 /// # Errors
 /// Those of [`prepare`].
@@ -85,7 +85,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
             (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None)
         }
-        Structure::Weave(_) => {
+        Structure::Weave(_) | Structure::Knit(_) => {
             let (length, gathering) =
                 SpecificLength::of_cloth(&Cloth::new(scene)?, &scene.model, Effort::default(), progress)?;
             (length, Some(gathering))

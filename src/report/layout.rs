@@ -7,6 +7,8 @@ use glam::DVec2;
 /// Least and largest height of the cloth in a cut, in sides of a face.
 const FLATTEST: f64 = 0.12;
 const HIGHEST: f64 = 0.5;
+/// Stitches of a knit along the side of a face.
+const STITCHES: f64 = 5.0;
 
 /// A part of the image that shows cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,9 +100,10 @@ impl Layout {
     }
 }
 
-/// Side of the stretch of cloth that is shown in mm: two repeats of the longer way, more of a small draft, one of a large.
+/// Side of the stretch of cloth that is shown in mm: two repeats of the longer way, more of a small draft, one of a large;
+/// of a knit so many stitches.
 pub fn window(cloth: &Cloth) -> f64 {
-    let weave = cloth.weave();
+    let Some(weave) = cloth.weave() else { return STITCHES * cloth.spacing().max_element() };
     let repeats = match weave.ends.len().max(weave.picks.len()) {
         0..=2 => 3.0,
         3..=32 => 2.0,

@@ -1,6 +1,7 @@
 //! Pictures of the cloth.
 //!
-//! Computes: the picture of an explicit cloth, drawn from the fibers of one realization: both faces, two cuts, the draft.
+//! Computes: the picture of an explicit cloth, drawn from the fibers of one realization: both faces, two cuts, the draft
+//! of a weave.
 //!
 //! Inputs: a laid out [`Cloth`](crate::cloth::Cloth) and the width of the picture in pixels. One repeat is drawn into a
 //! depth buffer, fiber by fiber as cylinders, and laid side by side with itself.
@@ -25,6 +26,6 @@ pub use colour::pile;
 pub use depth::{Depth, Seen};
 pub use image::Image;
 pub use layout::Panel;
-pub use picture::{Picture, WIDTHS, weave_picture};
+pub use picture::{Picture, WIDTHS, cloth_picture};
 pub use sheet::contact_sheet;
 pub use view::Face;

@@ -49,7 +49,6 @@ fn front(image: &mut Image, panel: &Panel, cloth: &Cloth) {
     for thread in 0..cloth.threads().len() {
         cloth.realize_thread(1, 0, thread, &mut |piece| depth.draw(&piece));
     }
-    let weave = cloth.weave();
-    let spacing = weave.end_spacing.min(weave.pick_spacing);
+    let spacing = cloth.spacing().min_element();
     lay_face(image, panel, &face(&depth, &colours, panel.per_mm, spacing, cloth.thickness()), 0);
 }

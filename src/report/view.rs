@@ -38,7 +38,7 @@ impl View {
 
     /// The view of a cut along the threads of a system through a plane x or y = `at`, with z up.
     pub fn along(cloth: &Cloth, system: System, at: f64) -> View {
-        let (weave, period, endless) = (cloth.weave(), cloth.period(), f64::INFINITY);
+        let (spacing, period, endless) = (cloth.spacing(), cloth.period(), f64::INFINITY);
         match system {
             System::Warp => View {
                 right: DVec3::Y,
@@ -46,7 +46,7 @@ impl View {
                 toward: DVec3::X,
                 period: DVec3::new(period.y, endless, period.x),
                 cut: at,
-                reach: weave.end_spacing,
+                reach: spacing.x,
             },
             System::Weft => View {
                 right: DVec3::X,
@@ -54,7 +54,7 @@ impl View {
                 toward: -DVec3::Y,
                 period: DVec3::new(period.x, endless, period.y),
                 cut: -at,
-                reach: weave.pick_spacing,
+                reach: spacing.y,
             },
         }
     }

@@ -5,6 +5,7 @@ use super::reader::{Allowed, Table, Value};
 use super::sheet::{Fiber, MAX_VOLUME_FRACTION, UM};
 use super::yarn::Yarn;
 use crate::error::Result;
+use std::f64::consts::FRAC_PI_2;
 
 /// Standard deviations at which a length, a height or an angle is cut off.
 const CUT: f64 = 3.0;
@@ -85,9 +86,11 @@ pub struct Flyaways {
 }
 
 impl Flyaways {
-    /// Largest distance from the yarn's section that any flyaway reaches in mm.
-    pub fn reach(&self) -> f64 {
-        let hairs = self.hairs.map(|hairs| hairs.length.limits[1] * hairs.rise.limits[1].sin());
+    /// Largest distance from the yarn's section that any flyaway reaches upwards in mm, where the yarn climbs by an angle in
+    /// radians that its hairs keep.
+    pub fn reach(&self, climb: f64) -> f64 {
+        let steepest = |hairs: &Hairs| (hairs.rise.limits[1] + climb).min(FRAC_PI_2);
+        let hairs = self.hairs.map(|hairs| hairs.length.limits[1] * steepest(&hairs).sin());
         let loops = self.loops.map(|loops| loops.height.limits[1]);
         hairs.unwrap_or(0.0).max(loops.unwrap_or(0.0))
     }
@@ -168,7 +171,7 @@ fn read_hairs(table: &Table) -> Result<Hairs> {
     let what = "two numbers from 0 to 90, the mean and the standard deviation";
     let rise = table.get("hair_rise_deg").map(|value| pair(&value, what, degrees)).transpose()?;
     let [rise, spread] = rise.unwrap_or(RISE).map(f64::to_radians);
-    let right = std::f64::consts::FRAC_PI_2;
+    let right = FRAC_PI_2;
     Ok(Hairs { per_mm, length: Spread::new(mean, deviation, f64::INFINITY), rise: Spread::new(rise, spread, right) })
 }
 

@@ -13,8 +13,6 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-const NOT_KNITTED: &str = "describes a knitted cloth, which is not available yet; describe a [sheet] or a [weave]";
-
 /// No cloth file is as long as this, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
@@ -95,7 +93,7 @@ pub struct Scene {
     pub text: String,
     /// Kinds of fiber, in the order of their names.
     pub fibers: Vec<Fiber>,
-    /// The sheet or the weave.
+    /// The sheet, the weave or the knit.
     pub structure: Structure,
     /// Colour channels, and what each kind of fiber of the cloth absorbs in them.
     pub channels: Channels,
@@ -114,12 +112,12 @@ impl Scene {
         let document = Document { file: source.file.clone(), source: &source.text };
         let parsed = DeTable::parse(&source.text).map_err(|error| document.malformed(&error))?;
         let root = Table::root(&document, &parsed);
-        let keys = ["name", "fiber", "yarn", "sheet", "weave", "model", "measure"];
-        root.expect_keys(&keys, &[("knit", NOT_KNITTED)])?;
+        let keys = ["name", "fiber", "yarn", "sheet", "weave", "knit", "model", "measure"];
+        root.expect_keys(&keys, &[])?;
         let name = root.get("name").map_or(Ok(source.stem.as_str()), |value| value.string())?.to_owned();
         let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
         let structure = read_structure(&root, &fibers, source.folder.as_deref())?;
-        let mut model = Model::of(matches!(structure, Structure::Weave(_)));
+        let mut model = Model::of(!matches!(structure, Structure::Sheet(_)));
         if let Some(value) = root.get("model") {
             model.read(&value.table()?)?;
         }
@@ -148,14 +146,11 @@ impl Scene {
     /// The sheet.
     ///
     /// # Errors
-    /// [`Error::Input`] when the cloth is woven.
+    /// [`Error::Input`] when the cloth is woven or knitted.
     pub fn sheet(&self) -> Result<&Sheet> {
         match &self.structure {
             Structure::Sheet(sheet) => Ok(sheet),
-            Structure::Weave(_) => {
-                let message = "a woven cloth cannot be measured yet; describe a [sheet]";
-                Err(Error::Input(message.into()))
-            }
+            _ => Err(Error::Input("a cloth of yarns is no sheet; describe a [sheet]".into())),
         }
     }
 }

@@ -9,6 +9,7 @@
 mod absorption;
 mod draft;
 mod flyaways;
+mod knit;
 mod load;
 mod measure;
 mod model;
@@ -22,6 +23,7 @@ mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
 pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
+pub use knit::{Knit, Stitch};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
 pub use model::{Model, Placement, Tracking};

@@ -34,15 +34,15 @@ pub struct Model {
     pub directions: u32,
     /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
     pub length_over_radius: f64,
-    /// Cells of the repeat of a weave along x, y and z; none for the program's choice.
+    /// Cells of the repeat of a weave or a knit along x, y and z; none for the program's choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<[u32; 3]>,
-    /// Half angle ω in radians of the cone that a direction of a weave is gathered from (paper §5); none for a sheet.
+    /// Half angle ω in radians of the cone that a direction of a weave or a knit is gathered from (paper §5); none for a sheet.
     #[serde(rename = "cone_deg", serialize_with = "in_degrees", skip_serializing_if = "Option::is_none")]
     pub cone: Option<f64>,
 }
 
-/// The cone of a weave where the file does not say, in radians.
+/// The cone of a cloth of yarns where the file does not say, in radians.
 const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
 const KEYS: [&str; 6] = ["tracking", "placement", "directions", "length_over_radius", "cells", "cone_deg"];
 
@@ -60,16 +60,16 @@ impl Default for Model {
 }
 
 impl Model {
-    /// The settings of a weave or a sheet where the file does not say.
-    pub(super) fn of(woven: bool) -> Model {
-        Model { cone: woven.then_some(CONE), ..Model::default() }
+    /// The settings of a cloth of yarns or a sheet where the file does not say.
+    pub(super) fn of(of_yarns: bool) -> Model {
+        Model { cone: of_yarns.then_some(CONE), ..Model::default() }
     }
 
     pub(super) fn read(&mut self, table: &Table) -> Result<()> {
-        let woven = self.cone.is_some();
-        let not_woven = "belongs to a [weave]; leave it out";
-        let (known, planned) = if woven { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(4) };
-        table.expect_keys(known, &planned.iter().map(|key| (*key, not_woven)).collect::<Vec<_>>())?;
+        let of_yarns = self.cone.is_some();
+        let elsewhere = "belongs to a [weave] or a [knit]; leave it out";
+        let (known, planned) = if of_yarns { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(4) };
+        table.expect_keys(known, &planned.iter().map(|key| (*key, elsewhere)).collect::<Vec<_>>())?;
         for key in known {
             if let Some(value) = table.get(key) {
                 self.set(key, &value)?;
@@ -89,7 +89,7 @@ impl Model {
         let value = DeValue::parse(text).unwrap_or_else(|_| word());
         let value = Value::alone(&document, key, &value);
         if self.cone.is_none() && ["cells", "cone"].contains(&key) {
-            return Err(value.error("it belongs to a woven cloth; leave it out"));
+            return Err(value.error("it belongs to a woven or knitted cloth; leave it out"));
         }
         self.set(key, &value)
     }

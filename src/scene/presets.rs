@@ -1,16 +1,18 @@
 //! Cloth files that come with the program.
 
 /// Names and texts of the presets.
-pub const PRESETS: [(&str, &str); 11] = [
+pub const PRESETS: [(&str, &str); 13] = [
     ("charmeuse", include_str!("../../assets/cloths/charmeuse.toml")),
     ("denim", include_str!("../../assets/cloths/denim.toml")),
     ("dimout", include_str!("../../assets/cloths/dimout.toml")),
     ("felt", include_str!("../../assets/cloths/felt.toml")),
     ("gabardine", include_str!("../../assets/cloths/gabardine.toml")),
+    ("jersey", include_str!("../../assets/cloths/jersey.toml")),
     ("linen", include_str!("../../assets/cloths/linen.toml")),
     ("lining", include_str!("../../assets/cloths/lining.toml")),
     ("muslin", include_str!("../../assets/cloths/muslin.toml")),
     ("nonwoven", include_str!("../../assets/cloths/nonwoven.toml")),
+    ("rib", include_str!("../../assets/cloths/rib.toml")),
     ("sheer", include_str!("../../assets/cloths/sheer.toml")),
     ("voile", include_str!("../../assets/cloths/voile.toml")),
 ];

@@ -1,5 +1,6 @@
-//! What the cloth is: a sheet or a weave.
+//! What the cloth is: a sheet, a weave or a knit.
 
+use super::knit::{Knit, read_knit};
 use super::reader::Table;
 use super::sheet::{Fiber, MAX_KINDS, Sheet, read_sheet};
 use super::weave::{Weave, read_weave};
@@ -14,6 +15,8 @@ pub enum Structure {
     Sheet(Sheet),
     /// A woven cloth.
     Weave(Weave),
+    /// A knitted cloth.
+    Knit(Knit),
 }
 
 impl Structure {
@@ -22,25 +25,30 @@ impl Structure {
         match self {
             Structure::Sheet(sheet) => sheet.kinds(),
             Structure::Weave(weave) => weave.kinds(),
+            Structure::Knit(knit) => knit.kinds(),
         }
     }
 }
 
 /// Read the one structure that the file describes; files that it names lie in the folder.
 pub(super) fn read_structure(root: &Table, fibers: &[Fiber], folder: Option<&Path>) -> Result<Structure> {
-    let (structure, name, place) = match (root.get("sheet"), root.get("weave")) {
-        (Some(_), Some(weave)) => return Err(weave.error("a cloth is a [sheet] or a [weave], not both")),
-        (None, None) => return Err(root.error("the file needs a [sheet] or a [weave]")),
-        (Some(sheet), None) => {
+    let yarns = || read_yarns(&root.require("yarn")?.table()?, fibers);
+    let (structure, name, place) = match (root.get("sheet"), root.get("weave"), root.get("knit")) {
+        (Some(sheet), None, None) => {
             if let Some(yarn) = root.get("yarn") {
-                return Err(yarn.error("[yarn] belongs to a [weave], and the file has none"));
+                return Err(yarn.error("[yarn] belongs to a [weave] or a [knit], and the file has none"));
             }
             (Structure::Sheet(read_sheet(&sheet.table()?, fibers)?), "sheet", root.at(&["sheet", "fibers"]))
         }
-        (None, Some(weave)) => {
+        (None, Some(weave), None) => {
             let table = weave.table()?;
-            let yarns = read_yarns(&root.require("yarn")?.table()?, fibers)?;
-            (Structure::Weave(read_weave(&table, yarns, folder)?), "weave", Some(weave))
+            (Structure::Weave(read_weave(&table, yarns()?, folder)?), "weave", Some(weave))
+        }
+        (None, None, Some(knit)) => (Structure::Knit(read_knit(&knit.table()?, yarns()?)?), "knit", Some(knit)),
+        (None, None, None) => return Err(root.error("the file needs a [sheet], a [weave] or a [knit]")),
+        (_, weave, knit) => {
+            let message = "a cloth is one of [sheet], [weave] and [knit]";
+            return Err(knit.or(weave).map_or_else(|| root.error(message), |second| second.error(message)));
         }
     };
     let found = structure.kinds().len();

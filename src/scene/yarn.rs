@@ -60,9 +60,10 @@ pub struct Yarn {
 }
 
 impl Yarn {
-    /// Largest distance from the section that any of its fibers reaches in mm.
-    pub fn reach(&self) -> f64 {
-        self.flyaways.map_or(0.0, |flyaways| flyaways.reach())
+    /// Largest distance from the section that any of its fibers reaches upwards in mm, where the yarn climbs by an angle in
+    /// radians that its hairs keep.
+    pub fn reach(&self, climb: f64) -> f64 {
+        self.flyaways.map_or(0.0, |flyaways| flyaways.reach(climb))
     }
 
     /// Number of fibers.

@@ -1,26 +1,24 @@
-//! `fiberwalk inspect` of a weave.
+//! `fiberwalk inspect` of a cloth of yarns.
 
 use super::super::{one_line, print};
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
-use fiberwalk::cloth::{Cloth, Statistics};
+use fiberwalk::cloth::{Cloth, Shape, Statistics};
 use fiberwalk::measure::{Prepared, prepare};
-use fiberwalk::report::weave_picture;
+use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Yarn};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Name of the picture in its folder.
-const PICTURE: &str = "weave.png";
-
-/// Draw the weave into a folder, and say what the cloth is and where its picture lies.
+/// Draw the cloth into a folder, and say what the cloth is and where its picture lies.
 pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {
     let cloth = Cloth::new(scene)?;
     let figures = cloth.statistics();
     let prepared = prepare(scene)?;
-    let picture = weave_picture(&cloth, scene, width);
-    let file = ResultFolder::add(folder, PICTURE, |file| picture.image.write_png(file))?;
+    let picture = cloth_picture(&cloth, scene, width);
+    let name = if cloth.knit().is_some() { "knit.png" } else { "weave.png" };
+    let file = ResultFolder::add(folder, name, |file| picture.image.write_png(file))?;
     let blocks = [
         format!("{}\n", one_line(&scene.name)),
         repeat(&cloth),
@@ -38,34 +36,32 @@ pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {
 
 /// The repeat and the setting of the threads.
 fn repeat(cloth: &Cloth) -> String {
-    let (weave, size) = (cloth.weave(), cloth.size());
-    let per_cm = |spacing: f64| (1e6 * 10.0 / spacing).round() / 1e6;
-    format!(
-        "repeat           {} ends × {} picks, {:.4} × {:.4} mm\n\
-         setting          {} ends/cm, {} picks/cm\n",
-        weave.ends.len(),
-        weave.picks.len(),
-        size.x,
-        size.y,
-        per_cm(weave.end_spacing),
-        per_cm(weave.pick_spacing),
-    )
+    let size = cloth.size();
+    let [along, up] = cloth.spacing().to_array().map(|spacing| (1e6 * 10.0 / spacing).round() / 1e6);
+    let (counts, setting) = match (cloth.weave(), cloth.knit()) {
+        (Some(weave), _) => (
+            format!("{} ends × {} picks", weave.ends.len(), weave.picks.len()),
+            format!("{along} ends/cm, {up} picks/cm"),
+        ),
+        (_, knit) => {
+            let wales = knit.map_or(1, |knit| knit.wales());
+            let s = if wales == 1 { "" } else { "s" };
+            (format!("{wales} wale{s} × 1 course"), format!("{along} wales/cm, {up} courses/cm"))
+        }
+    };
+    format!("repeat           {counts}, {:.4} × {:.4} mm\nsetting          {setting}\n", size.x, size.y)
 }
 
 /// The kinds of fiber and the yarns that the threads are made of.
 fn yarns(scene: &Scene, cloth: &Cloth) -> String {
-    let weave = cloth.weave();
     let micro = |length: f64| (length * 1e9).round() / 1e6;
     let mut text = String::new();
-    for kind in weave.kinds() {
+    for kind in cloth.used_kinds() {
         let fiber = &scene.fibers[kind];
         let (name, radius) = (one_line(&fiber.name), micro(fiber.radius));
         let _ = writeln!(text, "fibers           {name}: radius {radius} µm, index {}", fiber.ior);
     }
-    let mut used: Vec<usize> = weave.ends.iter().chain(&weave.picks).copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    for yarn in used.into_iter().map(|yarn| &weave.yarns[yarn]) {
+    for yarn in cloth.used_yarns().into_iter().map(|yarn| &cloth.yarns()[yarn]) {
         let (name, width, height) = (one_line(&yarn.name), micro(yarn.width), micro(yarn.height));
         let fill = yarn.packing(&scene.fibers);
         let _ =
@@ -84,17 +80,32 @@ fn fibers(scene: &Scene, yarn: &Yarn) -> String {
 
 /// The shape of the threads and what they cover.
 fn shape(cloth: &Cloth, figures: &Statistics, openness: f64) -> String {
-    let [warp, weft] = figures.crimp.map(|crimp| 100.0 * crimp);
-    let [steep_warp, steep_weft] = figures.steepest.map(f64::to_degrees);
+    let threads = match figures.shape {
+        Shape::Woven { crimp, steepest, .. } => {
+            let [warp, weft] = crimp.map(|crimp| 100.0 * crimp);
+            let [steep_warp, steep_weft] = steepest.map(f64::to_degrees);
+            format!(
+                "crimp            warp {warp:.2} %, weft {weft:.2} %\n\
+                 steepest slope   warp {steep_warp:.1}°, weft {steep_weft:.1}°; there the fill is up to {:.3}\n",
+                figures.densest
+            )
+        }
+        Shape::Knitted { loop_length, stitch_density, steepest, tightest } => format!(
+            "loops            {loop_length:.4} mm of yarn each, {:.2} in a cm²\n\
+             tightest bend    radius {:.1} µm; on its inside the fill is up to {:.3}\n\
+             steepest slope   {:.1}°\n",
+            100.0 * stitch_density,
+            1e3 * tightest,
+            figures.densest,
+            steepest.to_degrees(),
+        ),
+    };
     // Rounding leaves a trace of either sign where yarns just touch.
     let penetration = (figures.penetration * 1e6).round().max(0.0) / 1e3;
     format!(
-        "crimp            warp {warp:.2} %, weft {weft:.2} %\n\
-         steepest slope   warp {steep_warp:.1}°, weft {steep_weft:.1}°; there the fill is up to {:.3}\n\
-         cover factor     {:.4} and open {:.4} by the yarns' outlines; open {openness:.3} by the drawn fibers\n\
+        "{threads}cover factor     {:.4} and open {:.4} by the yarns' outlines; open {openness:.3} by the drawn fibers\n\
          thickness        {:.4} mm\n\
          yarns overlap    {penetration} µm at most\n",
-        figures.densest,
         figures.cover_factor,
         figures.openness,
         cloth.thickness(),

@@ -35,6 +35,14 @@ struct Case<'a> {
     walks: u64,
 }
 
+impl<'a> Case<'a> {
+    /// A row with the usual settings.
+    fn new(name: String, gpu: Option<&'a Gpu>, tables: &Rc<SamplingTables>, walks: u64) -> Case<'a> {
+        let tables = Rc::clone(tables);
+        Case { name, gpu, tables, disc: true, jitter: true, texture: false, cells_in_texture: false, walks }
+    }
+}
+
 fn main() {
     let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(5);
     let gpu = Gpu::open(None);
@@ -75,16 +83,7 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     let mut cases = Vec::new();
     for (depth, walks) in [(0.5, 8_000_000), (4.0, 4_000_000), (32.0, 500_000)] {
         let tables = Rc::new(sheet(depth));
-        let plain = |name: &str, gpu, walks| Case {
-            name: format!("{name}, H d = {depth}"),
-            gpu,
-            tables: Rc::clone(&tables),
-            disc: true,
-            jitter: true,
-            texture: false,
-            cells_in_texture: false,
-            walks,
-        };
+        let plain = |name: &str, gpu, walks| Case::new(format!("{name}, H d = {depth}"), gpu, &tables, walks);
         cases.push(plain("cpu", None, walks / 4));
         let Some(gpu) = gpu else { continue };
         let variant = |what: &str| Case { name: format!("gpu, H d = {depth}, {what}"), ..plain("", Some(gpu), walks) };
@@ -130,16 +129,7 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
                 tables.majorant * tables.thickness
             );
         }
-        let case = |engine: &str, gpu, walks| Case {
-            name: format!("{engine}, {name}"),
-            gpu,
-            tables: Rc::clone(&tables),
-            disc: true,
-            jitter: true,
-            texture: false,
-            cells_in_texture: false,
-            walks,
-        };
+        let case = |engine: &str, gpu, walks| Case::new(format!("{engine}, {name}"), gpu, &tables, walks);
         cases.push(case("cpu", None, walks / 8));
         let Some(gpu) = gpu else { continue };
         cases.push(case("gpu", Some(gpu), walks));

@@ -128,10 +128,10 @@ fn seen_share(tally: &Tally, start: usize, bin: usize, channel: usize) -> Estima
     if light.sum == 0 { Estimate::default() } else { mean_weight(light, tally.walks_per_incident(), tally.unit()) }
 }
 
-/// Light of an exit bin or of the direct bin; a lossless tally has the same in all channels.
+/// Light of an exit bin or of the direct bin.
 fn light(tally: &Tally, start: usize, bin: usize, channel: usize) -> Moments {
     if bin < 2 * tally.layout.exit_cells {
-        return tally.light(start, bin, channel.min(tally.channels() - 1));
+        return tally.light(start, bin, channel);
     }
     let (direct, unit) = (tally.direct(start), tally.unit());
     Moments { sum: direct * unit, square: direct * unit * unit }

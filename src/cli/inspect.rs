@@ -34,15 +34,16 @@ fn width(text: &str) -> std::result::Result<usize, String> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = Scene::parse(&source)?;
-    if let Structure::Weave(_) | Structure::Knit(_) = &scene.structure {
-        let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
-        return woven::run(&scene, &folder, arguments.width.unwrap_or(1600));
-    }
-    if arguments.output.is_some() || arguments.width.is_some() {
+    let drawn = arguments.output.is_some() || arguments.width.is_some();
+    if let (Structure::Sheet(_), true) = (&scene.structure, drawn) {
         let message = "a sheet has no yarns to draw: leave out -o and --width";
         return Err(Error::Input(message.into()));
     }
     let prepared = prepare(&scene)?;
+    if let Some(cloth) = &prepared.cloth {
+        let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
+        return woven::run(&scene, cloth, &prepared, &folder, arguments.width.unwrap_or(1600));
+    }
     let sheet = scene.sheet()?;
     print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &results(&prepared)))
 }

@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let engine = choose(choice, arguments.adapter.as_deref())?;
     let stop = arguments.stop();
-    describe(&source, &scene, &prepared, &engine, stop)?.iter().for_each(|line| note(line));
+    describe(&source, &scene, &prepared, &engine, stop).iter().for_each(|line| note(line));
     let mut watch = Watch::new();
     let mut show = |progress| watch.show(progress);
     let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
@@ -158,23 +158,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// What is going to be measured, how, and until when.
-fn describe(
-    source: &Source,
-    scene: &Scene,
-    prepared: &Prepared,
-    engine: &ChosenEngine,
-    stop: Stop,
-) -> Result<Vec<String>> {
+fn describe(source: &Source, scene: &Scene, prepared: &Prepared, engine: &ChosenEngine, stop: Stop) -> Vec<String> {
     let depth = prepared.tables.depth();
     let mut lines = vec![format!("{}: {}", source.file, scene.name)];
-    match (&scene.structure, &prepared.gathering) {
-        (Structure::Weave(_) | Structure::Knit(_), Some(gathering)) => lines.extend(woven(prepared, gathering)),
-        (Structure::Sheet(sheet), _) => {
-            let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
-            let fraction = sheet.volume_fraction(&scene.fibers);
-            lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
-        }
-        (Structure::Weave(_) | Structure::Knit(_), None) => {}
+    if let Some(gathering) = &prepared.gathering {
+        lines.extend(woven(prepared, gathering));
+    }
+    if let Structure::Sheet(sheet) = &scene.structure {
+        let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
+        let fraction = sheet.volume_fraction(&scene.fibers);
+        lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
     }
     if prepared.specific_length.spread_error > 0.0 {
         lines.push(format!(
@@ -193,7 +186,7 @@ fn describe(
         let percent = (1e8 * tolerance).round() / 1e6;
         lines.push(format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
     }
-    Ok(lines)
+    lines
 }
 
 /// The cells of a woven cloth.

@@ -57,19 +57,6 @@ impl Default for Effort {
     }
 }
 
-impl Gathering {
-    /// A warning when a cell holds more fiber than separate fibers can fill.
-    pub fn warning(&self) -> Option<String> {
-        let full = self.largest_fraction;
-        (full > MAX_SEPARATE_FRACTION).then(|| {
-            format!(
-                "fibers fill up to {full:.2} of a cell, more than separate fibers can ({MAX_SEPARATE_FRACTION}): they overlap \
-                 there; wider yarns or fewer fibers would mend it"
-            )
-        })
-    }
-}
-
 /// How the specific length of a cloth was gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gathering {
@@ -85,6 +72,19 @@ pub struct Gathering {
     pub filled: usize,
     /// Grid of the direction lists.
     pub list_counts: [u32; 3],
+}
+
+impl Gathering {
+    /// A warning when a cell holds more fiber than separate fibers can fill.
+    pub fn warning(&self) -> Option<String> {
+        let full = self.largest_fraction;
+        (full > MAX_SEPARATE_FRACTION).then(|| {
+            format!(
+                "fibers fill up to {full:.2} of a cell, more than separate fibers can ({MAX_SEPARATE_FRACTION}): they overlap \
+                 there; wider yarns or fewer fibers would mend it"
+            )
+        })
+    }
 }
 
 /// What is counted: fibers as straight pieces in a periodic element, drawn at random.

@@ -183,7 +183,8 @@ impl Tally {
         self.outcome(start, Outcome::Lost)
     }
 
-    /// Light of an exit bin (reflection cells, then transmission cells) in one channel, in units of [`Tally::unit`].
+    /// Light of an exit bin (reflection cells, then transmission cells) in one channel, in units of [`Tally::unit`]; the
+    /// same in all channels of a lossless cloth.
     pub fn light(&self, start: usize, bin: usize, channel: usize) -> Moments {
         match &self.weights {
             Some(_) => self.moments(start, bin, channel),

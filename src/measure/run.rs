@@ -58,7 +58,9 @@ pub struct Measurement {
 pub struct Prepared {
     /// f(p, x) of the cloth.
     pub specific_length: SpecificLength,
-    /// How it was gathered; none for a sheet, which states it.
+    /// The explicit cloth; none for a sheet.
+    pub cloth: Option<Cloth>,
+    /// How f was gathered; none for a sheet, which states it.
     pub gathering: Option<Gathering>,
     /// What the engines read.
     pub tables: SamplingTables,
@@ -80,15 +82,15 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
 /// Those of [`prepare`].
 pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
-    let (specific_length, gathering) = match &scene.structure {
+    let (specific_length, cloth, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-            (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None)
+            (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None, None)
         }
         Structure::Weave(_) | Structure::Knit(_) => {
-            let (length, gathering) =
-                SpecificLength::of_cloth(&Cloth::new(scene)?, &scene.model, Effort::default(), progress)?;
-            (length, Some(gathering))
+            let cloth = Cloth::new(scene)?;
+            let (length, gathering) = SpecificLength::of_cloth(&cloth, &scene.model, Effort::default(), progress)?;
+            (length, Some(cloth), Some(gathering))
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
@@ -107,7 +109,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
             MAX_BYTES >> 20
         )));
     }
-    Ok(Prepared { specific_length, gathering, tables, goniometer })
+    Ok(Prepared { specific_length, cloth, gathering, tables, goniometer })
 }
 
 /// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, the table as it is

@@ -8,7 +8,7 @@ use exr::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter};
 
-type Part = Layer<AnyChannels<FlatSamples>>;
+pub(super) type Part = Layer<AnyChannels<FlatSamples>>;
 
 /// Write the tables of a measurement.
 pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> io::Result<()> {
@@ -27,44 +27,38 @@ pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> 
             starts.clone().map(|start| probability(tally.direct(start), tally.walks_per_incident())).collect()
         };
         let name = |what: &str| format!("{}.{what}", side.name());
-        let channels = Names { names: &scene.channels.names, told_apart: tally.channels() };
+        let channels = &scene.channels.names;
         let (reflection, transmission) = (Component::Reflection, Component::Transmission);
-        parts.push(part(&name("reflection"), size, &channels, |channel| table(reflection, channel), &attribute));
-        parts.push(part(&name("transmission"), size, &channels, |channel| table(transmission, channel), &attribute));
-        parts.push(part(&name("direct"), (cells, 1), &channels, direct, &attribute));
+        parts.push(part(&name("reflection"), size, channels, |channel| table(reflection, channel), &attribute));
+        parts.push(part(&name("transmission"), size, channels, |channel| table(transmission, channel), &attribute));
+        parts.push(part(&name("direct"), (cells, 1), channels, direct, &attribute));
     }
-    let window = IntegerBounds::from_dimensions(size);
-    let image = Image::from_layers(ImageAttributes::new(window), parts);
+    write_parts(file, size, parts)
+}
+
+/// Write parts as a file whose window has a size.
+pub(super) fn write_parts(
+    file: &mut File,
+    size: (usize, usize),
+    parts: Layers<AnyChannels<FlatSamples>>,
+) -> io::Result<()> {
+    let image = Image::from_layers(ImageAttributes::new(IntegerBounds::from_dimensions(size)), parts);
     image.write().to_buffered(BufWriter::new(file)).map_err(|error| match error {
         Error::Io(error) => error,
         other => io::Error::other(other.to_string()),
     })
 }
 
-/// Names of channels, and how many of them differ: lossless fibers have one table under all names.
-struct Names<'a> {
-    names: &'a [String],
-    told_apart: usize,
-}
-
-/// One part: every channel and its standard error, a channel at a time.
-fn part(
+/// A part of named channels, with the attribute `fiberwalk`.
+pub(super) fn layer(
     name: &str,
     size: (usize, usize),
-    names: &Names,
-    estimates: impl Fn(usize) -> Vec<Estimate>,
+    channels: impl Iterator<Item = (String, FlatSamples)>,
     attribute: &str,
 ) -> Part {
-    let channels = names.names.iter().enumerate().flat_map(|(channel, name)| {
-        let estimates = estimates(channel.min(names.told_apart - 1));
-        let samples = |of: fn(&Estimate) -> f64| FlatSamples::F32(estimates.iter().map(|e| of(e) as f32).collect());
-        let values = (name.clone(), samples(|estimate| estimate.value));
-        let errors = (format!("stderr.{name}"), samples(|estimate| estimate.stderr));
-        [values, errors]
-            .map(|(name, samples)| AnyChannel { quantize_linearly: false, ..AnyChannel::new(name.as_str(), samples) })
-    });
-    let channels: Vec<_> = channels.collect();
-    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let channels = channels
+        .map(|(name, samples)| AnyChannel { quantize_linearly: false, ..AnyChannel::new(name.as_str(), samples) });
+    let channels = AnyChannels::sort(channels.collect());
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let mut attributes = LayerAttributes::named(name);
@@ -72,4 +66,22 @@ fn part(
     let text = Text::from_bytes_unchecked(attribute.bytes().collect());
     attributes.other.insert(Text::from("fiberwalk"), AttributeValue::Text(text));
     Layer::new(size, attributes, encoding, channels)
+}
+
+/// One part: every channel and its standard error, a channel at a time.
+fn part(
+    name: &str,
+    size: (usize, usize),
+    names: &[String],
+    estimates: impl Fn(usize) -> Vec<Estimate>,
+    attribute: &str,
+) -> Part {
+    let channels = names.iter().enumerate().flat_map(|(channel, name)| {
+        let estimates = estimates(channel);
+        let samples = |of: fn(&Estimate) -> f64| FlatSamples::F32(estimates.iter().map(|e| of(e) as f32).collect());
+        let values = (name.clone(), samples(|estimate| estimate.value));
+        let errors = (format!("stderr.{name}"), samples(|estimate| estimate.stderr));
+        [values, errors]
+    });
+    layer(name, size, channels, attribute)
 }

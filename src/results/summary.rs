@@ -10,9 +10,8 @@ use serde_json::{Value, json};
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, seconds } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
-        let told_apart = tally.channels();
         let names = scene.channels.names.iter().cloned().enumerate();
-        names.map(|(channel, name)| (name, of(channel.min(told_apart - 1)))).collect()
+        names.map(|(channel, name)| (name, of(channel))).collect()
     };
     let cells = goniometer.incident_cells();
     let mut sides = serde_json::Map::new();
@@ -69,10 +68,9 @@ fn checks(scene: &Scene, measurement: &Measurement) -> Value {
     let mut ways = serde_json::Map::new();
     for &side in &goniometer.sides {
         for (name, component) in [("reflection", Component::Reflection), ("transmission", Component::Transmission)] {
-            let residual = |channel| reciprocity(tally, goniometer, component, side, channel);
             let names = scene.channels.names.iter().enumerate();
             let by_channel = |(channel, name): (usize, &String)| {
-                let residual = residual(channel.min(tally.channels() - 1));
+                let residual = reciprocity(tally, goniometer, component, side, channel);
                 residual.map(|residual| (name.clone(), json!(residual)))
             };
             let found: Option<serde_json::Map<String, Value>> = names.map(by_channel).collect();

@@ -1,12 +1,13 @@
 //! `tally.exr`: the integers of a run, from which every other file can be made again.
 
 use super::about::About;
+use super::exr::{layer, write_parts};
 use crate::error::{Error, Result};
 use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Tally, Weights};
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::Path;
 
 /// Name of the file in a result folder.
@@ -94,7 +95,7 @@ impl Stored {
         let starts = about.sides.len() * cells;
         let integers = |part: &str, name: &str, tail: &str, size: usize| -> std::result::Result<Vec<u64>, String> {
             let half = |half: &str| {
-                let name = if tail.is_empty() { format!("{name}.{half}") } else { format!("{name}.{half}.{tail}") };
+                let name = half_name(name, half, tail);
                 let missing = || format!("part {part} has no {size} integers {name}");
                 find(part, &name).filter(|samples| samples.len() == size).ok_or_else(missing)
             };
@@ -150,32 +151,14 @@ pub fn write_tally(file: &mut File, about: &About, tally: &Tally) -> io::Result<
         Attribute { about: about.clone(), unit: tally.unit(), counts: tally.counts, walks: tally.coverage.clone() };
     // A JSON value has its keys sorted.
     let text = serde_json::to_value(attribute)?.to_string();
-    let text = Text::from_bytes_unchecked(text.bytes().collect());
-    let part = |part: Part| {
-        let channels = part.channels.into_iter().map(|(name, samples)| {
-            let samples = FlatSamples::U32(samples);
-            AnyChannel { quantize_linearly: false, ..AnyChannel::new(name.as_str(), samples) }
-        });
-        let channels = AnyChannels::sort(channels.collect());
-        let encoding =
-            Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-        let mut attributes = LayerAttributes::named(part.name.as_str());
-        attributes.other.insert(Text::from("fiberwalk"), AttributeValue::Text(text.clone()));
-        Layer::new((part.width, part.rows), attributes, encoding, channels)
-    };
-    let layers: Layers<AnyChannels<FlatSamples>> = parts(about, tally).into_iter().map(part).collect();
     let size = (about.exit.pow(2) as usize, about.incident_cells());
-    let image = Image::from_layers(ImageAttributes::new(IntegerBounds::from_dimensions(size)), layers);
-    image.write().to_buffered(BufWriter::new(file)).map_err(|error| match error {
-        exr::error::Error::Io(error) => error,
-        other => io::Error::other(other.to_string()),
-    })
+    write_parts(file, size, parts(about, tally, &text))
 }
 
 /// The integers as images.
-fn parts(about: &About, tally: &Tally) -> Vec<Part> {
+fn parts(about: &About, tally: &Tally, attribute: &str) -> Layers<AnyChannels<FlatSamples>> {
     let (cells, exits) = (about.incident_cells(), tally.layout.exit_cells);
-    let mut parts = Vec::new();
+    let mut parts = Layers::new();
     for (place, side) in about.sides.iter().enumerate() {
         let starts = place * cells..(place + 1) * cells;
         let mut add = |what: &str, width: usize, bins: Vec<(usize, usize)>, counted: bool, weighed: bool| {
@@ -185,7 +168,6 @@ fn parts(about: &About, tally: &Tally) -> Vec<Part> {
                 channels.extend(pair("walks", "", walks));
             }
             for (channel, name) in about.channels.iter().enumerate().filter(|_| weighed) {
-                let channel = channel.min(tally.channels() - 1);
                 let light = |&(start, bin): &(usize, usize)| match bin == 2 * exits {
                     true => tally.absorbed(start, channel),
                     false => tally.light(start, bin, channel),
@@ -195,7 +177,7 @@ fn parts(about: &About, tally: &Tally) -> Vec<Part> {
                 channels.extend(pair("sumsq", name, light.iter().map(|moments| moments.square)));
             }
             let name = format!("{}.{what}", side.name());
-            parts.push(Part { name, width, rows: bins.len() / width, channels });
+            parts.push(layer(&name, (width, bins.len() / width), channels.into_iter(), attribute));
         };
         let table = |first: usize| -> Vec<(usize, usize)> {
             starts.clone().flat_map(|start| (first..first + exits).map(move |bin| (start, bin))).collect()
@@ -212,17 +194,16 @@ fn parts(about: &About, tally: &Tally) -> Vec<Part> {
     parts
 }
 
-/// One part of the file: channels of width × rows integers.
-struct Part {
-    name: String,
-    width: usize,
-    rows: usize,
-    channels: Vec<(String, Vec<u32>)>,
+/// The channel of one half, `lo` or `hi`, of numbers.
+fn half_name(name: &str, half: &str, tail: &str) -> String {
+    if tail.is_empty() { format!("{name}.{half}") } else { format!("{name}.{half}.{tail}") }
 }
 
-/// Low and high words of numbers, as channels `name.lo.tail` and `name.hi.tail`.
-fn pair(name: &str, tail: &str, numbers: impl Iterator<Item = u64> + Clone) -> [(String, Vec<u32>); 2] {
-    let named = |half: &str| if tail.is_empty() { format!("{name}.{half}") } else { format!("{name}.{half}.{tail}") };
-    let low = numbers.clone().map(|number| number as u32).collect();
-    [(named("lo"), low), (named("hi"), numbers.map(|number| (number >> 32) as u32).collect())]
+/// Low and high words of numbers, as two channels.
+fn pair(name: &str, tail: &str, numbers: impl Iterator<Item = u64> + Clone) -> [(String, FlatSamples); 2] {
+    let half = |half: &str, shift: u32| {
+        let words = numbers.clone().map(|number| (number >> shift) as u32).collect();
+        (half_name(name, half, tail), FlatSamples::U32(words))
+    };
+    [half("lo", 0), half("hi", 32)]
 }

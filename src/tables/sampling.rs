@@ -204,7 +204,8 @@ fn check(specific_length: &SpecificLength) -> Result<()> {
     if cells.is_empty() || cells.len() > MOST || !sizes.iter().all(|size| size.is_finite() && *size > 0.0) {
         let [nx, ny, nz] = cells.counts;
         return complaint(format!(
-            "a grid of {nx} × {ny} × {nz} cells over {} × {} × {} mm cannot be used, allowed: 1 to {MOST} cells of              positive size",
+            "a grid of {nx} × {ny} × {nz} cells over {} × {} × {} mm cannot be used, allowed: 1 to {MOST} cells of \
+             positive size",
             sizes[0], sizes[1], sizes[2]
         ));
     }

@@ -4,7 +4,7 @@ use super::super::{one_line, print};
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
 use fiberwalk::cloth::{Cloth, Shape, Statistics};
-use fiberwalk::measure::{Prepared, prepare};
+use fiberwalk::measure::Prepared;
 use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Scene, Yarn};
@@ -12,23 +12,21 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Draw the cloth into a folder, and say what the cloth is and where its picture lies.
-pub fn run(scene: &Scene, folder: &Path, width: usize) -> Result<()> {
-    let cloth = Cloth::new(scene)?;
+pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, folder: &Path, width: usize) -> Result<()> {
     let figures = cloth.statistics();
-    let prepared = prepare(scene)?;
-    let picture = cloth_picture(&cloth, scene, width);
+    let picture = cloth_picture(cloth, scene, width);
     let name = if cloth.knit().is_some() { "knit.png" } else { "weave.png" };
     let file = ResultFolder::add(folder, name, |file| picture.image.write_png(file))?;
     let blocks = [
         format!("{}\n", one_line(&scene.name)),
-        repeat(&cloth),
-        yarns(scene, &cloth),
+        repeat(cloth),
+        yarns(scene, cloth),
         channels(scene),
-        shape(&cloth, &figures, picture.openness),
+        shape(cloth, &figures, picture.openness),
         mass(&figures),
         sizes(&figures),
-        medium(scene, &prepared),
-        results(&prepared),
+        medium(scene, prepared),
+        results(prepared),
         format!("{}\n", file.display()),
     ];
     print(&blocks.concat())

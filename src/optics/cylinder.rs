@@ -13,6 +13,8 @@ pub struct Passage {
     pub path: f64,
     /// Whether it left through a base and not through the side.
     pub through_base: bool,
+    /// From where the ray met the fiber to where the light leaves it, in radii.
+    pub displacement: DVec3,
 }
 
 /// A ray that has hit a fiber, with everything that the closed form needs.
@@ -65,17 +67,24 @@ impl Encounter {
     pub fn pass(&self, number: f64, half_length: f64) -> Passage {
         let chords = self.chords(number);
         let path = self.path_length(chords);
-        let side = |sign: f64| Passage { direction: self.exit_direction(chords, sign), path, through_base: false };
         // Count the bases that the light would meet along its way.
         let along = path * self.axial.abs() / self.ior;
         let bases = ((along + half_length) / (2.0 * half_length)).floor();
-        if chords == 0 || half_length.is_infinite() || bases < 1.0 {
-            return side(1.0);
-        }
         let sign = |bases: f64| if bases % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let side = |sign: f64, along: f64| Passage {
+            direction: self.exit_direction(chords, sign),
+            path,
+            through_base: false,
+            displacement: self.rim(chords) - self.rim(0) + self.p * (along * self.axial.signum()),
+        };
+        if chords == 0 || half_length.is_infinite() || bases < 1.0 {
+            return side(1.0, along);
+        }
+        // Fold the way along the axis between the bases that reflect.
+        let folded = sign(bases) * (along - 2.0 * half_length * bases);
         let sine_square = self.ior * self.ior - self.axial * self.axial;
         if sine_square >= 1.0 {
-            return side(sign(bases));
+            return side(sign(bases), folded);
         }
         // The rest of the number is uniform inside the interval that drew the chords.
         let f = self.reflectance;
@@ -84,7 +93,7 @@ impl Encounter {
         let base = reflectance((1.0 - sine_square).sqrt(), self.ior);
         let reflected = if base > 0.0 { (left.ln() / base.ln()).floor() } else { 0.0 };
         if reflected >= bases {
-            return side(sign(bases));
+            return side(sign(bases), folded);
         }
         // Leave through base number `reflected` + 1: Snell at a plane keeps the transverse azimuth of that chord.
         let path = (2.0 * reflected + 1.0) * half_length * self.ior / self.axial.abs();
@@ -92,7 +101,16 @@ impl Encounter {
         let azimuth = PI + self.azimuth - self.refracted_azimuth + self.turn(chord as u64 - 1);
         let axial = (1.0 - sine_square).sqrt().copysign(self.axial) * sign(reflected);
         let transverse = (self.e1 * azimuth.cos() + self.e2 * azimuth.sin()) * sine_square.sqrt();
-        Passage { direction: self.p * axial + transverse, path, through_base: true }
+        // The base is met part of the way along that chord.
+        let part = path / self.path_length(1) - (chord - 1.0);
+        let inside = self.rim(chord as u64 - 1).lerp(self.rim(chord as u64), part);
+        let shift = self.p * (half_length * self.axial.signum() * sign(reflected));
+        Passage {
+            direction: self.p * axial + transverse,
+            path,
+            through_base: true,
+            displacement: inside - self.rim(0) + shift,
+        }
     }
 
     /// The number of chords k that a uniform number in (0, 1) draws; 0 is reflection at the surface.
@@ -114,6 +132,12 @@ impl Encounter {
     /// Where light leaves after `chords` chords: azimuth on the surface, and shift along p from the hit, in radii.
     pub fn exit_point(&self, chords: u64) -> (f64, f64) {
         (self.azimuth + self.turn(chords), self.path_length(chords) * self.axial / self.ior)
+    }
+
+    /// Where the light meets the surface after `chords` chords, off the axis, in radii.
+    fn rim(&self, chords: u64) -> DVec3 {
+        let azimuth = self.azimuth + self.turn(chords);
+        self.e1 * azimuth.cos() + self.e2 * azimuth.sin()
     }
 
     /// Length of the way inside the fiber, in radii: each chord is 2 cos γt / √(1 − (m·p)²/η²).
@@ -147,6 +171,27 @@ mod tests {
         let stated = [f, (1.0 - f).powi(2), (1.0 - f).powi(2) * f, (1.0 - f).powi(2) * f * f];
         for (k, (count, stated)) in counts.iter().zip(stated).enumerate() {
             assert!((count - stated).abs() < 3e-6, "k = {k}: {count} for {stated}");
+        }
+    }
+
+    #[test]
+    fn light_moves_as_its_path_says() {
+        let (m, p) = (DVec3::new(0.36, -0.48, -0.8), DVec3::new(0.0, 0.6, 0.8));
+        for (number, half_length) in [(0.01, 50.0), (0.6, 50.0), (0.999, 50.0), (0.6, 1.3), (0.999, 0.4), (0.99, 0.7)] {
+            let encounter = Encounter::new(m, p, 0.3, 1.2);
+            let start = encounter.rim(0);
+            let passage = encounter.pass(number, half_length);
+            let end = start + passage.displacement;
+            let (along, across) = (end.dot(p), end - p * end.dot(p));
+            if passage.through_base {
+                assert!((along.abs() - half_length).abs() < 1e-9 && across.length() <= 1.0, "{end}");
+            } else {
+                assert!((across.length() - 1.0).abs() < 1e-9 && along.abs() <= half_length, "{end}");
+                // It leaves outwards.
+                assert!(passage.direction.dot(across) > 0.0);
+            }
+            // The straight way is no longer than the folded one.
+            assert!(passage.displacement.length() <= passage.path + 1e-9);
         }
     }
 

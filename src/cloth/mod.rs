@@ -26,6 +26,7 @@
 
 mod curves;
 mod flyaways;
+mod grid;
 mod knit;
 mod path;
 mod realization;
@@ -34,9 +35,12 @@ mod rim;
 mod section;
 mod statistics;
 mod steps;
+mod tube;
 mod woven;
 
 pub use curves::Curve;
+pub use grid::{FiberGrid, Way, Work};
 pub use realization::Primitive;
 pub use repeat::{Cloth, System, Thread};
 pub use statistics::{Shape, Statistics};
+pub use tube::{Meeting, Tube};

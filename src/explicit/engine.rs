@@ -2,7 +2,7 @@
 
 use super::clustering::{Clustering, Fates};
 use super::walk::{Bodies, walk};
-use crate::cloth::FiberGrid;
+use crate::cloth::{FiberGrid, Realizer};
 use crate::error::Result;
 use crate::goniometer::{Coverage, Goniometer, Origin, Tally};
 use crate::scene::Scene;
@@ -16,12 +16,9 @@ const FEWEST_WALKS: usize = 4096;
 /// Pieces of a realization that are worth one more walk through it.
 const PIECES_PER_WALK: usize = 4;
 
-/// How realizations of a cloth are drawn, from their numbers.
-type Draw = Box<dyn Fn(u64) -> Result<FiberGrid> + Send + Sync>;
-
 /// The fibers of a cloth, as light meets them.
 pub struct Explicit {
-    draw: Draw,
+    realizer: Realizer,
     kinds: Vec<Kind>,
     places: Vec<usize>,
     half_length: f64,
@@ -32,17 +29,19 @@ pub struct Explicit {
 }
 
 impl Explicit {
-    /// The fibers of a scene, which `draw` draws from the number of a realization.
+    /// The fibers of a scene.
     ///
     /// # Errors
-    /// Those of `draw`.
-    pub fn new(scene: &Scene, draw: impl Fn(u64) -> Result<FiberGrid> + Send + Sync + 'static) -> Result<Explicit> {
-        let first = draw(0)?;
+    /// [`Error::Input`](crate::Error::Input) when the cloth cannot be laid out, its fibers cannot be separate though they are
+    /// to be, or there are too many.
+    pub fn new(scene: &Scene) -> Result<Explicit> {
+        let realizer = Realizer::new(scene, scene.model.packing)?;
+        let first = draw(&realizer, 0)?;
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
         let pieces = first.tubes().len();
         Ok(Explicit {
-            draw: Box::new(draw),
+            realizer,
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
@@ -81,7 +80,7 @@ impl Explicit {
 
     /// The walks of a plan that go through one realization, each with its start.
     fn walk_through(&self, goniometer: &Goniometer, plan: &WalkPlan, number: u64) -> Result<Vec<(usize, Score)>> {
-        let grid = (self.draw)(number)?;
+        let grid = draw(&self.realizer, number)?;
         let bodies = Bodies { grid: &grid, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
         let each = self.walks_of_start(goniometer.starts());
         let walks = plan.walks();
@@ -95,6 +94,11 @@ impl Explicit {
             .map(|(start, i)| score(start, i))
             .collect())
     }
+}
+
+fn draw(realizer: &Realizer, number: u64) -> Result<FiberGrid> {
+    let realization = realizer.draw(number)?;
+    FiberGrid::new(&realization.fibers, realization.period)
 }
 
 impl Walker for Explicit {

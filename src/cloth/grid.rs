@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Edge of a cell in radii of the thinnest fiber.
 const EDGE: f64 = 3.0;
 /// Most cells.
-const MOST_CELLS: f64 = (1u64 << 22) as f64;
+const MOST_CELLS: f64 = (1u64 << 19) as f64;
 /// Bits of an entry that are the tube; the others are three bits for the image along x and along y.
 const TUBE_BITS: u32 = 26;
 /// Images that an entry can name: from −4 to 3 repeats.
@@ -136,31 +136,46 @@ impl FiberGrid {
         let reach = radius * (DVec3::ONE - p * p).max(DVec3::ZERO).map(f64::sqrt);
         let base = DVec3::new(0.0, 0.0, self.low);
         let cell = |point: DVec3| ((point - base) / self.edges).floor().as_ivec3();
-        let (least, most) = (cell(from.min(to) - reach), cell(from.max(to) + reach));
-        let (least, most) = (least.with_z(least.z.max(0)), most.with_z(most.z.min(self.counts.z - 1)));
         let half = self.edges / 2.0;
         let (middle, half_length) = ((from + to) / 2.0, from.distance(to) / 2.0);
         let along_half = half.dot(p.abs()) + half_length;
-        for z in least.z..=most.z {
-            for y in least.y..=most.y {
-                for x in least.x..=most.x {
-                    // Leave out boxes that a plane parts from the cylinder.
-                    let centre = base + (IVec3::new(x, y, z).as_dvec3() + 0.5) * self.edges - middle;
-                    let along = centre.dot(p);
-                    let off = centre - p * along;
-                    let away = off.length();
-                    let beside = away * away - half.dot(off.abs()) > radius * away;
-                    if beside || along.abs() > along_half {
-                        continue;
+        // Go from layer to layer of cells across the axis that the piece follows most.
+        let main = p.abs().max_position();
+        let (first, last) = (cell(from.min(to) - reach)[main], cell(from.max(to) + reach)[main]);
+        for layer in first..=last {
+            // The part of the axis whose surface may reach into the layer.
+            let bound = |side: i32| f64::from(layer + side) * self.edges[main] + base[main];
+            let (low, high) = (bound(0) - reach[main], bound(1) + reach[main]);
+            let at = |bound: f64| ((bound - from[main]) / p[main]).clamp(0.0, 2.0 * half_length);
+            let (one, other) = (from + p * at(low), from + p * at(high));
+            let (mut least, mut most) = (cell(one.min(other) - reach), cell(one.max(other) + reach));
+            (least[main], most[main]) = (layer, layer);
+            (least.z, most.z) = (least.z.max(0), most.z.min(self.counts.z - 1));
+            for z in least.z..=most.z {
+                for y in least.y..=most.y {
+                    for x in least.x..=most.x {
+                        // Leave out boxes that a plane parts from the cylinder.
+                        let centre = base + (IVec3::new(x, y, z).as_dvec3() + 0.5) * self.edges - middle;
+                        let along = centre.dot(p);
+                        let off = centre - p * along;
+                        let away = off.length();
+                        let beside = away * away - half.dot(off.abs()) > radius * away;
+                        if !beside && along.abs() <= along_half {
+                            self.take_home(IVec3::new(x, y, z), &mut take);
+                        }
                     }
-                    let (image_x, image_y) = (x.div_euclid(self.counts.x), y.div_euclid(self.counts.y));
-                    let home = IVec3::new(x - image_x * self.counts.x, y - image_y * self.counts.y, z);
-                    let code = |image: i32| (image - IMAGES.start) as u32;
-                    let known = IMAGES.contains(&image_x) && IMAGES.contains(&image_y);
-                    take(self.index(home), known.then(|| code(image_x) | code(image_y) << 3));
                 }
             }
         }
+    }
+
+    /// Bring a cell home into the repeat, and tell the image that a piece has there.
+    fn take_home(&self, cell: IVec3, take: &mut impl FnMut(usize, Option<u32>)) {
+        let (x, y) = (cell.x.div_euclid(self.counts.x), cell.y.div_euclid(self.counts.y));
+        let home = cell - IVec3::new(x * self.counts.x, y * self.counts.y, 0);
+        let code = |image: i32| (image - IMAGES.start) as u32;
+        let known = IMAGES.contains(&x) && IMAGES.contains(&y);
+        take(self.index(home), known.then(|| code(x) | code(y) << 3));
     }
 
     fn index(&self, cell: IVec3) -> usize {

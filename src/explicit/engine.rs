@@ -13,8 +13,8 @@ use std::sync::Mutex;
 
 /// Fewest walks through one realization, all starts together.
 const FEWEST_WALKS: usize = 4096;
-/// Pieces of a realization that are worth one more walk through it.
-const PIECES_PER_WALK: usize = 4;
+/// Bytes of a realization that are worth one more walk through it.
+const BYTES_PER_WALK: usize = 256;
 
 /// The fibers of a cloth, as light meets them.
 pub struct Explicit {
@@ -45,7 +45,7 @@ impl Explicit {
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
-            walks_per_realization: FEWEST_WALKS.max(pieces / PIECES_PER_WALK),
+            walks_per_realization: FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK),
             bytes: first.bytes(),
             pieces,
             fates: Mutex::new(Vec::new()),

@@ -34,9 +34,22 @@ pub enum Packing {
     Separate,
 }
 
+/// What the light goes through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Medium {
+    /// A statistical medium (the paper).
+    #[default]
+    Implicit,
+    /// The fibers themselves, in many realizations.
+    Explicit,
+}
+
 /// The model's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Model {
+    /// What the light goes through.
+    pub medium: Medium,
     /// How the next collision is drawn.
     pub tracking: Tracking,
     /// Where the next flight starts.
@@ -64,6 +77,7 @@ const KEYS_OF_SHEETS: usize = 5;
 impl Default for Model {
     fn default() -> Model {
         Model {
+            medium: Medium::Implicit,
             tracking: Tracking::NullCollision,
             placement: Placement::AtHit,
             packing: Packing::Random,

@@ -61,11 +61,29 @@ pub struct Work {
 }
 
 impl FiberGrid {
-    /// Sort the fibers of a realization with this repeat.
+    /// Sort the fibers of a realization with this repeat into cells of three radii of the thinnest, or larger ones where these
+    /// would be too many.
     ///
     /// # Errors
     /// [`Error::Input`] when there is no fiber, or there are more or longer pieces than can be sorted.
     pub fn new(fibers: &[Curve], period: DVec2) -> Result<FiberGrid> {
+        FiberGrid::sorted(fibers, period, |size, thinnest| {
+            let volume = size.x * size.y * size.z;
+            let edge = (EDGE * thinnest).max((volume / MOST_CELLS).cbrt());
+            (size / edge).ceil().as_ivec3()
+        })
+    }
+
+    /// Sort them into so many cells along x, y and z; into one cell for a search of all fibers.
+    ///
+    /// # Errors
+    /// Those of [`FiberGrid::new`].
+    pub fn with_cells(fibers: &[Curve], period: DVec2, counts: [u16; 3]) -> Result<FiberGrid> {
+        FiberGrid::sorted(fibers, period, |_, _| IVec3::from_array(counts.map(i32::from)))
+    }
+
+    /// Sort them into cells, of which there are as many as follow from the size of the grid and the thinnest radius.
+    fn sorted(fibers: &[Curve], period: DVec2, counts: impl Fn(DVec3, f64) -> IVec3) -> Result<FiberGrid> {
         let mut tubes = Vec::new();
         let wrap = |start: DVec3| start - (period * (start.truncate() / period).floor()).extend(0.0);
         for (fiber, curve) in fibers.iter().enumerate() {
@@ -78,16 +96,15 @@ impl FiberGrid {
             )));
         }
         let span = |tube: &Tube| {
-            let ends = [tube.start().z, tube.start().z + tube.direction().z * tube.length()];
-            // The overhang of a joint is inside of this.
-            (ends[0].min(ends[1]) - 2.0 * tube.radius(), ends[0].max(ends[1]) + 2.0 * tube.radius())
+            let [before, after] = tube.overhang();
+            let (p, reach) = (tube.direction().z, tube.radius());
+            let ends = [tube.start().z - before * p, tube.start().z + (tube.length() + after) * p];
+            (ends[0].min(ends[1]) - reach, ends[0].max(ends[1]) + reach)
         };
         let (low, high) = tubes.iter().map(span).fold((f64::MAX, f64::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         let thinnest = tubes.iter().map(Tube::radius).fold(f64::INFINITY, f64::min);
         let size = period.extend(high - low);
-        let volume = size.x * size.y * size.z;
-        let edge = (EDGE * thinnest).max((volume / MOST_CELLS).cbrt());
-        let counts = (size / edge).ceil().max(DVec3::ONE).as_ivec3();
+        let counts = counts(size, thinnest).max(IVec3::ONE);
         let edges = size / counts.as_dvec3();
         let mut grid = FiberGrid { tubes, period, low, high, counts, edges, first: Vec::new(), entries: Vec::new() };
         grid.sort()?;
@@ -182,19 +199,17 @@ impl FiberGrid {
         ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
     }
 
-    /// The pieces that may reach into a cell, each with the way from a point there to where the
-    /// piece itself has that point.
-    fn listed(&self, cell: IVec3) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+    /// The pieces that may reach into a cell, each with how many repeats it lies further than its image here.
+    fn listed(&self, cell: IVec3) -> impl Iterator<Item = (usize, DVec2)> + '_ {
         let index = self.index(cell);
         self.entries[self.first[index] as usize..self.first[index + 1] as usize].iter().map(|entry| {
             let image = |shift: u32| f64::from((entry >> (TUBE_BITS + shift) & 7) as i32 + IMAGES.start);
-            let there = DVec2::new(image(0), image(3)) * self.period;
-            ((entry & ((1 << TUBE_BITS) - 1)) as usize, there.extend(0.0))
+            ((entry & ((1 << TUBE_BITS) - 1)) as usize, DVec2::new(image(0), image(3)))
         })
     }
 
     /// The nearest fiber that a ray from `origin` along the unit vector `m` enters from outside. Fibers that hold the origin
-    /// are not entered, nor is `left`, the piece whose surface the ray starts from.
+    /// are not entered, nor is `left`, the piece from whose surface the ray starts.
     pub fn first_entry(&self, origin: DVec3, m: DVec3, left: Option<usize>, work: &mut Work) -> Way {
         let mut origin = self.come_back(origin);
         // Come to the slab that holds the fibers.
@@ -213,20 +228,25 @@ impl FiberGrid {
         let never = DVec3::splat(f64::INFINITY);
         let mut times = DVec3::select(moving, (faces - place) * self.edges / m, never);
         let each = DVec3::select(moving, self.edges / m.abs(), never);
-        let mut nearest: Option<(usize, DVec3, Meeting)> = None;
+        let mut nearest: Option<(usize, Meeting)> = None;
+        // Count repeats instead of moving the origin: what is met does not depend on the cells on the way.
+        let mut repeats = DVec2::ZERO;
         for _ in 0..MOST_STEPS {
             work.cells += 1;
-            for (tube, back) in self.listed(cell) {
+            for (tube, image) in self.listed(cell) {
                 work.tests += 1;
-                let Some(meeting) = self.tubes[tube].meet(origin + back, m) else { continue };
-                let first = nearest.is_none_or(|(_, _, known)| meeting.distance < known.distance);
-                if first && left != Some(tube) {
-                    nearest = Some((tube, origin + m * meeting.distance, meeting));
+                let there = origin + (self.period * (image - repeats)).extend(0.0);
+                let Some(meeting) = self.tubes[tube].meet(there, m) else { continue };
+                let first = nearest.is_none_or(|(_, known)| meeting.distance < known.distance);
+                // Its images lie further off.
+                let start = left == Some(tube) && meeting.distance < self.tubes[tube].radius();
+                if first && !start {
+                    nearest = Some((tube, meeting));
                 }
             }
             let time = times.min_element();
-            if let Some((tube, point, meeting)) = nearest.filter(|(_, _, meeting)| meeting.distance <= time) {
-                return Way::Fiber { tube, point: self.come_back(point), meeting };
+            if let Some((tube, meeting)) = nearest.filter(|(_, meeting)| meeting.distance <= time) {
+                return Way::Fiber { tube, point: self.come_back(origin + m * meeting.distance), meeting };
             }
             // Step into the next cell.
             let axis = if times.x == time {
@@ -240,15 +260,16 @@ impl FiberGrid {
             cell[axis] += step[axis];
             if cell[axis] < 0 || cell[axis] >= self.counts[axis] {
                 if axis == 2 {
-                    let entry = nearest.map(|(tube, point, meeting)| Way::Fiber {
+                    // Rounding may put what is met behind the last face.
+                    let enter = |(tube, meeting): (usize, Meeting)| Way::Fiber {
                         tube,
-                        point: self.come_back(point),
+                        point: self.come_back(origin + m * meeting.distance),
                         meeting,
-                    });
-                    return entry.unwrap_or(Way::Out);
+                    };
+                    return nearest.map_or(Way::Out, enter);
                 }
                 cell[axis] -= step[axis] * self.counts[axis];
-                origin[axis] -= f64::from(step[axis]) * self.period[axis];
+                repeats[axis] += f64::from(step[axis]);
             }
         }
         Way::Endless
@@ -261,7 +282,9 @@ impl FiberGrid {
         let inside = point.z >= self.low && point.z <= self.high;
         let cell = cell.clamp(IVec3::ZERO, self.counts - 1);
         let listed = inside.then(|| self.listed(cell)).into_iter().flatten();
-        listed.filter(move |(tube, back)| self.tubes[*tube].holds(point + *back)).map(|(tube, _)| tube)
+        let holds =
+            move |(tube, image): &(usize, DVec2)| self.tubes[*tube].holds(point + (self.period * *image).extend(0.0));
+        listed.filter(holds).map(|(tube, _)| tube)
     }
 
     /// The image of a point inside the repeat.

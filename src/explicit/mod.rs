@@ -18,3 +18,4 @@ mod walk;
 
 pub use clustering::Clustering;
 pub use engine::Explicit;
+pub use walk::{Bodies, walk};

@@ -9,7 +9,8 @@ use crate::walk::{
 };
 
 /// What light meets.
-pub(super) struct Bodies<'a> {
+#[derive(Clone, Copy)]
+pub struct Bodies<'a> {
     /// The fibers of a realization.
     pub grid: &'a FiberGrid,
     /// Kinds of fiber.
@@ -20,8 +21,9 @@ pub(super) struct Bodies<'a> {
     pub half_length: f64,
 }
 
-/// Walk until the light leaves the cloth or is given up.
-pub(super) fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Walked {
+/// Walk number `i` of a start through one realization, until the light leaves it or is given up. Its events are the pieces
+/// that were tested.
+pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Walked {
     let Bodies { grid, kinds, places, half_length } = bodies;
     let id = WalkPlan::walk_id(goniometer.starts(), i, start);
     let lit = goniometer.side(start);

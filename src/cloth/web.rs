@@ -24,7 +24,7 @@ use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
 /// Least period in radii of the thickest fiber.
-const LEAST: f64 = 500.0;
+const LEAST: f64 = 250.0;
 /// Largest period in these radii.
 const MOST: f64 = 5000.0;
 /// Pieces that an element should have, if the period is not too long.

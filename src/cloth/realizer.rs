@@ -39,6 +39,11 @@ impl Realizer {
         Ok(Realizer { element, packing })
     }
 
+    /// Of a cloth of yarns that is laid out.
+    pub fn of_yarns(cloth: Cloth, packing: Packing) -> Realizer {
+        Realizer { element: Element::Yarns(Box::new(cloth)), packing }
+    }
+
     /// Size of the periodic element along x and y in mm.
     pub fn period(&self) -> DVec2 {
         match &self.element {

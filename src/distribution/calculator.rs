@@ -5,7 +5,7 @@ use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
 use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
 use super::sheet::{Bundle, SpecificLength};
-use crate::cloth::{Cloth, Primitive};
+use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
 use crate::scene::Model;
 use glam::DVec3;
@@ -30,8 +30,6 @@ const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
 /// Fewest realizations to add.
 const CHUNK: u64 = 16;
-/// The fibers of a cloth do not depend on the seed of the walks.
-const SEED: u64 = 0;
 /// Fibers that are laid independently overlap: of a volume fraction v they cover 1 − exp(−v), at this one 0.9.
 const MAX_VOLUME_FRACTION: f64 = 2.3;
 /// Sums of R·length, in units of the count, that a word holds with certainty.
@@ -96,8 +94,8 @@ pub struct Element<'a> {
     pub list_width: DVec3,
     /// Radius of each kind of fiber in mm.
     pub radii: &'a [f64],
-    /// The pieces of a realization, from its number.
-    pub realize: &'a (dyn Fn(u64) -> Vec<Primitive> + Sync),
+    /// The fibers of a realization, from its number.
+    pub realize: &'a (dyn Fn(u64) -> Result<Realization> + Sync),
 }
 
 impl SpecificLength {
@@ -113,11 +111,12 @@ impl SpecificLength {
     ) -> Result<(SpecificLength, Gathering)> {
         let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
         let counts = model.cells.unwrap_or_else(|| default_counts(cloth));
+        let realizer = Realizer::of_yarns(cloth.clone(), model.packing);
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
             list_width: cloth.spacing().extend(cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
-            realize: &|number| cloth.realize(SEED, number),
+            realize: &|number| realizer.draw(number),
         };
         SpecificLength::of_pieces(&element, model, effort, progress)
     }
@@ -135,7 +134,7 @@ impl SpecificLength {
         progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
         let grids = grids(element, model);
-        let sums = gather(element, &grids, effort, progress);
+        let sums = gather(element, &grids, effort, progress)?;
         if sums.total == 0.0 {
             return Err(Error::Input("there is no fiber to count".into()));
         }
@@ -153,7 +152,7 @@ impl SpecificLength {
 }
 
 /// Count as many realizations as are wanted.
-fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl FnMut(f64)) -> Sums {
+fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl FnMut(f64)) -> Result<Sums> {
     let mut sums = Sums::new(grids);
     let mut wanted = match effort {
         Effort::Realizations(count) => count.max(2),
@@ -164,15 +163,15 @@ fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl F
         let side_by_side = rayon::current_num_threads() as u64;
         for first in (sums.realizations..wanted).step_by(side_by_side as usize) {
             let numbers = first..(first + side_by_side).min(wanted);
-            let counts: Vec<Count> =
-                numbers.into_par_iter().map(|number| count(&(element.realize)(number), grids)).collect();
+            let one = |number| Ok(count(&(element.realize)(number)?.pieces(), grids));
+            let counts: Vec<Count> = numbers.into_par_iter().map(one).collect::<Result<_>>()?;
             counts.iter().for_each(|count| sums.add(count));
             progress(sums.realizations as f64 / wanted as f64);
         }
-        let Effort::Precision(precision) = effort else { return sums };
+        let Effort::Precision(precision) = effort else { return Ok(sums) };
         let error = sums.error();
         if error <= precision || wanted >= MOST {
-            return sums;
+            return Ok(sums);
         }
         // The error falls with the root of the realizations.
         let needed = (sums.realizations as f64 * (error / precision).powi(2)).ceil() as u64;
@@ -324,7 +323,7 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
     while coarse.cells.counts != [1; 3] && cure.is_empty() {
         coarse.cells.counts = coarse.cells.counts.map(|count| count.div_ceil(2));
         let grids = grids(&coarse, model);
-        let counted = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {});
+        let Ok(counted) = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {}) else { break };
         if too_full(&counted.finish(&coarse, model, &grids).0, &counted, coarse.radii).is_none() {
             cure = format!("take fewer cells, such as cells = {:?}, or ", coarse.cells.counts);
         }

@@ -14,7 +14,7 @@ pub struct Chains {
     pub points: Vec<DVec3>,
     /// Number of the fiber of a corner.
     pub fiber: Vec<u32>,
-    /// Length of the fiber up to a corner, as it was laid.
+    /// Length of the fiber up to a corner, when it was last measured.
     pub along: Vec<f64>,
     /// Radius of each fiber.
     pub radius: Vec<f64>,
@@ -47,20 +47,16 @@ impl Chains {
             held: Vec::new(),
         };
         for (points, radius) in fibers {
-            let mut along = 0.0;
             let start = chains.points.len();
             let corners = without_crumbs(points, SHORTEST * radius);
             chains.points.push(corners[0]);
-            chains.along.push(0.0);
             for ends in corners.windows(2) {
                 let length = ends[0].distance(ends[1]);
                 let parts = (length / (LONGEST * radius)).ceil().max(1.0) as u32;
                 for part in 1..=parts {
                     let share = f64::from(part) / f64::from(parts);
                     chains.points.push(ends[0].lerp(ends[1], share));
-                    chains.along.push(along + share * length);
                 }
-                along += length;
             }
             let end = chains.points.len();
             chains.fiber.resize(end, chains.radius.len() as u32);
@@ -74,7 +70,18 @@ impl Chains {
             chains.bounds.push([margin * radius - thickness, -margin * radius]);
             chains.first.push(end as u32);
         }
+        chains.along = vec![0.0; chains.len()];
+        chains.measure();
         chains
+    }
+
+    /// Measure lengths along the fibers anew.
+    pub fn measure(&mut self) {
+        for corner in 1..self.len() {
+            let piece = corner - 1;
+            let reached = self.along[piece] + self.points[piece].distance(self.points[corner]);
+            self.along[corner] = if self.starts(piece) { reached } else { 0.0 };
+        }
     }
 
     /// Number of corners.
@@ -102,7 +109,7 @@ impl Chains {
         &self.points[self.first[fiber] as usize..self.first[fiber + 1] as usize]
     }
 
-    /// Length of a fiber, as it was laid.
+    /// Length of a fiber.
     fn length(&self, fiber: usize) -> f64 {
         self.along[self.first[fiber + 1] as usize - 1]
     }

@@ -38,11 +38,13 @@ pub fn relax(chains: &mut Chains, tolerance: f64, most: u32) -> (u32, f64) {
     let (mut moved, mut since) = (0.0, 0);
     for sweep in 0..most {
         if moved > neighbours.reach && since >= SAME_LISTS {
+            chains.measure();
             neighbours = Neighbours::new(chains);
             (moved, since) = (0.0, 0);
         }
         let pushes: Vec<Push> = each(chains, |piece| push(chains, piece, neighbours.of(piece)));
         if pushes.iter().all(|push| push.depth <= tolerance) {
+            chains.measure();
             neighbours = Neighbours::new(chains);
             (moved, since) = (0.0, 0);
             let depth = deepest(chains, &neighbours);
@@ -53,6 +55,7 @@ pub fn relax(chains: &mut Chains, tolerance: f64, most: u32) -> (u32, f64) {
         moved += step(chains, &pushes, &mut steps);
         since += 1;
     }
+    chains.measure();
     (most, deepest(chains, &Neighbours::new(chains)))
 }
 

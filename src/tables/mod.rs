@@ -11,10 +11,12 @@
 
 mod alias;
 mod blocks;
+mod carry;
 mod sampling;
 mod visible;
 
 pub use alias::AliasTable;
 pub use blocks::Reach;
+pub use carry::Carry;
 pub use sampling::{CellEntry, Cells, Kind, List, SamplingTables};
 pub use visible::VisibleArea;

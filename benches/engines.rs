@@ -164,6 +164,7 @@ fn sheet(depth: f64) -> SamplingTables {
         patch_unit: grid.unit(),
         cells: None,
         visible: None,
+        carry: None,
     }
 }
 

@@ -14,6 +14,8 @@ struct Passage {
     path: f32,
     /// 1 when it left through a base.
     through_base: u32,
+    /// From the hit to where it left, in radii; 0 for flights that start at hits.
+    displacement: vec3f,
 }
 
 /// Send ray m through the fiber p it has hit at `offset` α. `across` is m × p, `visible` its length, `optics` comes from
@@ -38,6 +40,7 @@ fn scatter(m: vec3f, p: vec3f, across: vec3f, visible: f32, optics: vec4f, offse
     let chord = vec2f(bent * bent - cos_t * cos_t, 2.0 * cos_t * bent) * transverse_reciprocal;
     // Turn by 2γi, then by π − 2γt for each chord; P(at least k chords) = (1 − F) F^(k−1).
     var turn = vec2f(1.0 - 2.0 * offset * offset, 2.0 * cos_offset * offset);
+    let start = vec2f(cos_offset, offset);
     let rest = 1.0 - number;
     var threshold = transmitted;
     var chords = select(0.0, 1.0, rest < threshold);
@@ -67,25 +70,43 @@ fn scatter(m: vec3f, p: vec3f, across: vec3f, visible: f32, optics: vec4f, offse
         let left = (rest / max(interval, 1e-30) - reflected) / transmitted;
         let bases = meet_bases(axial, optics, chords, chord_length, left);
         if bases.x < 0.5 {
-            return Passage(normalize(axial * bases.y * p + turn.x * radial + turn.y * across), chords * chord_length, 0u);
+            let out = normalize(axial * bases.y * p + turn.x * radial + turn.y * across);
+            let shift = rim_shift(turn, start) / visible;
+            return Passage(out, chords * chord_length, 0u, shift.x * radial + shift.y * across + bases.w * p);
         }
         // Leave through a base: Snell at a plane keeps the transverse azimuth of that chord.
         var azimuth = entry;
+        var whole = 0.0;
         for (var before = 1u; before < min(u32(ceil(bases.z / chord_length)), MAX_CHORDS); before++) {
             azimuth = complex_product(azimuth, chord);
+            whole += chord_length;
         }
         let sine_square = ior * ior - axial * axial;
         let outside = (azimuth.x * radial + azimuth.y * across) * (sqrt(sine_square) / visible);
-        return Passage(normalize(sqrt(1.0 - sine_square) * sign(axial) * bases.y * p + outside), bases.z, 1u);
+        // The base is met part of the way along that chord.
+        let rim = complex_product(start, complex_product(azimuth, vec2f(entry.x, -entry.y)));
+        let shift = select(vec2f(0.0), rim - start + azimuth * ((bases.z - whole) * sqrt(transverse)), PLACEMENT > 0u) / visible;
+        let displacement = shift.x * radial + shift.y * across + bases.w * p;
+        return Passage(normalize(sqrt(1.0 - sine_square) * sign(axial) * bases.y * p + outside), bases.z, 1u, displacement);
     }
     // Keep the axial part; |m×p| cancels out of the transverse frame.
     let out = axial * p + turn.x * radial + turn.y * across;
-    return Passage(out * (1.5 - 0.5 * dot(out, out)), chords * chord_length, 0u);
+    let path = chords * chord_length;
+    let shift = rim_shift(turn, start) / visible;
+    let along = select(0.0, path * axial * optics.y, PLACEMENT > 0u);
+    return Passage(out * (1.5 - 0.5 * dot(out, out)), path, 0u, shift.x * radial + shift.y * across + along * p);
+}
+
+/// From the hit at γi to where light leaves the side, across the axis in radii: directions turn to 2γi + k(π − 2γt), places
+/// to γi + k(π − 2γt).
+fn rim_shift(turn: vec2f, start: vec2f) -> vec2f {
+    return select(vec2f(0.0), complex_product(turn, vec2f(start.x, -start.y)) - start, PLACEMENT > 0u);
 }
 
 /// Follow the light along the axis: x = 1 when it leaves through a base, y = sign of the axial component after the
-/// reflections at bases, z = path to that base in radii. `left` is uniform in (0, 1).
-fn meet_bases(axial: f32, optics: vec4f, chords: f32, chord_length: f32, left: f32) -> vec3f {
+/// reflections at bases, z = path to that base in radii, w = how far along p it leaves from the hit, in radii. `left` is
+/// uniform in (0, 1).
+fn meet_bases(axial: f32, optics: vec4f, chords: f32, chord_length: f32, left: f32) -> vec4f {
     let along = chords * chord_length * abs(axial) * optics.y;
     let bases = floor((along + P.half_length) / (2.0 * P.half_length));
     let sine_square = optics.x * optics.x - axial * axial;
@@ -103,7 +124,9 @@ fn meet_bases(axial: f32, optics: vec4f, chords: f32, chord_length: f32, left: f
     let reflections = min(through, bases);
     let direction = 1.0 - 2.0 * (reflections - 2.0 * floor(0.5 * reflections));
     let path = (2.0 * reflections + 1.0) * P.half_length * optics.x / max(abs(axial), 1e-12);
-    return vec3f(select(0.0, 1.0, leaves), direction, path);
+    let way = select(along - 2.0 * P.half_length * reflections, P.half_length, leaves);
+    let shift = select(0.0, way * direction * sign(axial), PLACEMENT > 0u);
+    return vec4f(select(0.0, 1.0, leaves), direction, path, shift);
 }
 
 fn complex_product(a: vec2f, b: vec2f) -> vec2f {

@@ -20,7 +20,9 @@ fn start_direction(start: u32, words: vec4u) -> vec3f {
 /// The depth at which a walk of a start sets out, in mm; among cells, its height above the back in edges.
 fn start_depth(start: u32) -> f32 {
     let front = start < P.front_starts;
-    return select(select(-P.thickness, 0.0, front), select(0.0, P.counts.z, front), CELLS);
+    let face = select(select(-P.thickness, 0.0, front), select(0.0, P.counts.z, front), CELLS);
+    // A hit lies up to a radius beyond the faces when it belongs to its fiber's axis.
+    return select(face, select(face - P.carry.z, face + P.carry.z, front), PLACEMENT > 0u);
 }
 
 /// Where in the repeat a walk sets out, in edges of a cell.

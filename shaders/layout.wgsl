@@ -44,6 +44,8 @@ struct Params {
     /// Cells along x, y and z, and how many of them come on a mm.
     counts: vec4f,
     per_edge: vec4f,
+    /// Largest radius of a fiber: in edges of a cell along x, y and z, or in mm without cells; then in mm.
+    carry: vec4f,
 }
 
 /// A lane: one walk under way, one that waits to be counted, one that waits to start.
@@ -136,6 +138,8 @@ struct Trace {
 
 /// Kinds of fiber.
 override KINDS: u32 = 1;
+/// Where flights start: 0 at hits, 1 where light leaves fibers, 2 the same with a factor of the hit's cell in the rate.
+override PLACEMENT: u32 = 0;
 
 /// The parameters once more: reading a uniform inside a loop is a gather on some devices.
 var<private> P: Params;

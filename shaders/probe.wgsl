@@ -1,5 +1,5 @@
 // One entry point for each function, for tests: numbered input words, one output record.
-// uses: layout, rng, concentric, cells, medium, march, cylinder, goniometer
+// uses: layout, rng, concentric, cells, medium, march, carried, cylinder, goniometer
 
 /// Inputs of one call.
 struct ProbeInput {
@@ -46,6 +46,28 @@ fn probe_scatter(@builtin(global_invocation_id) call: vec3u) {
     let optics = kind_optics(probe_inputs[call.x].c.x);
     let out = scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
     probe_outputs[call.x] = bitcast<vec4u>(vec4f(out.m, select(out.path, -out.path, out.through_base == 1u)));
+}
+
+/// As `probe_scatter`; gives the way from the hit to where light leaves, in radii, and whether that is a base.
+@compute @workgroup_size(64)
+fn probe_displacement(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let a = bitcast<vec4f>(probe_inputs[call.x].a);
+    let b = bitcast<vec4f>(probe_inputs[call.x].b);
+    let across = cross(a.xyz, b.xyz);
+    let optics = kind_optics(probe_inputs[call.x].c.x);
+    let out = scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
+    probe_outputs[call.x] = bitcast<vec4u>(vec4f(out.displacement, f32(i32(out.through_base))));
+}
+
+/// a.xyz = place in edges of a cell, b.xyz = m (all f32).
+@compute @workgroup_size(64)
+fn probe_skip_clear(@builtin(global_invocation_id) call: vec3u) {
+    P = params;
+    let place = bitcast<vec3f>(probe_inputs[call.x].a.xyz);
+    let m = bitcast<vec3f>(probe_inputs[call.x].b.xyz);
+    let there = skip_clear(place, reach_ahead(place, m), m * P.per_edge.xyz);
+    probe_outputs[call.x] = vec4u(bitcast<vec3u>(there), 0u);
 }
 
 /// a = words, b.x = start.

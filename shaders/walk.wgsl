@@ -1,5 +1,5 @@
 // The kernel: one flat loop, one tentative event of one walk per lane and pass.
-// uses: layout, rng, cells, medium, cylinder, goniometer, score
+// uses: layout, rng, cells, medium, march, carried, cylinder, goniometer, score
 
 override WORKGROUP: u32 = 64;
 /// Passes of a dispatch.
@@ -53,14 +53,19 @@ fn step(lane: ptr<function, Lane>) {
     let fiber = draw_fiber(words, site.list);
     let across = cross(m, fiber.p);
     let visible = max(length(across), 1e-12);
-    let seen = select(visible, max(site.share * visible, 1e-12), CELLS && VISIBLE_N == 0u);
+    let offset = 2.0 * uniform_open(words.w) - 1.0;
+    let optics = kind_optics(fiber.kind);
+    var share = site.share;
+    if PLACEMENT > 0u {
+        let facing = sqrt((1.0 - offset) * (1.0 + offset)) * (dot(m, fiber.p) * fiber.p - m);
+        share *= share_of_axis(vec3f(site.place, site.z), (facing + offset * across) * (optics.w / visible));
+    }
+    let seen = select(visible, max(share * visible, 1e-12), (CELLS && VISIBLE_N == 0u) || PLACEMENT > 0u);
     let accept = uniform_open(words.z);
     let inside = site.inside;
     let hit = site.arrived && accept < seen;
-    let offset = 2.0 * uniform_open(words.w) - 1.0;
     // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
     let number = select(0.0, accept / seen, hit);
-    let optics = kind_optics(fiber.kind);
     let passage = scatter(m, fiber.p, across, visible, optics, offset, number);
     if ABSORBING {
         let length = select(0.0, passage.path * optics.w, walking && hit);
@@ -75,10 +80,17 @@ fn step(lane: ptr<function, Lane>) {
     let lost = inside && event >= P.max_events;
     var turned = select(select(m, passage.m, hit), vec3f(0.0), lost);
     turned = select(turned, vec3f(2.0, 0.0, 0.0), ended);
-    (*lane).ray = select((*lane).ray, vec4f(turned, site.z), walking);
+    var there = vec3f(site.place, site.z);
+    var reach = site.reach;
+    if PLACEMENT > 0u {
+        // On the surface of a fiber nothing is known of the cells about.
+        there += select(vec3f(0.0), passage.displacement * (optics.w * P.per_edge.xyz), hit);
+        reach = select(reach, 0u, hit);
+    }
+    (*lane).ray = select((*lane).ray, vec4f(turned, there.z), walking);
     if CELLS {
-        (*lane).place = select((*lane).place, site.place, walking);
-        (*lane).reach = select((*lane).reach, site.reach, walking);
+        (*lane).place = select((*lane).place, there.xy, walking);
+        (*lane).reach = select((*lane).reach, reach, walking);
     }
     if VISIBLE_N > 0u {
         // Where all fibers are nearly parallel to the ray, the table's H is its error: give the collision up.
@@ -99,6 +111,9 @@ fn fly(lane: ptr<function, Lane>, m: vec3f, word: u32) -> Site {
         return march((*lane).ray, (*lane).place, (*lane).refused > 0u, (*lane).depth_left, word);
     }
     let path = free_path(word);
+    if PLACEMENT > 0u {
+        return fly_carried((*lane).ray, (*lane).place, (*lane).reach, path);
+    }
     if CELLS {
         let speed = m * P.per_edge.xyz;
         let begin = skip_empty(vec3f((*lane).place, (*lane).ray.w), (*lane).reach, speed);
@@ -232,7 +247,11 @@ fn ready_next(lane: ptr<function, Lane>) {
     (*lane).next = vec4f(start_direction(start, words), start_depth(start));
     if CELLS {
         (*lane).next_place = start_place(words);
-        (*lane).next_reach = cell_entry(cell_of(vec3f((*lane).next_place, (*lane).next.w))).w;
+        if PLACEMENT > 0u {
+            (*lane).next_reach = reach_ahead(vec3f((*lane).next_place, (*lane).next.w), (*lane).next.xyz);
+        } else {
+            (*lane).next_reach = cell_entry(cell_of(vec3f((*lane).next_place, (*lane).next.w))).w;
+        }
     }
     (*lane).next_id = id;
     (*lane).next_start = start;

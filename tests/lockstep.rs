@@ -4,7 +4,7 @@
 mod common;
 
 use common::cells::{CellCloth, random_cells};
-use common::{Cloth, ISOTROPIC, PLANAR, aligned, assert_ran, gpu};
+use common::{Cloth, ISOTROPIC, PLANAR, SplitMix, aligned, assert_ran, gpu};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
@@ -65,6 +65,11 @@ fn check(cloth: &Cloth, walks_per_cell: u64, most: f64) {
 }
 
 fn check_setup(setup: Setup, walks_per_cell: u64, most: f64) {
+    check_near(setup, walks_per_cell, most, 0.05);
+}
+
+/// At most so many walks differ, and so many come near a decision.
+fn check_near(setup: Setup, walks_per_cell: u64, most: f64, most_near: f64) {
     let Comparison { walks, differing, agreeing } = compare(setup.clone(), setup, walks_per_cell);
     let share = differing.len() as f64 / walks as f64;
     assert!(share < most, "{share:.1e} of {walks} walks differ");
@@ -73,7 +78,7 @@ fn check_setup(setup: Setup, walks_per_cell: u64, most: f64) {
     // The bound means something: few walks ever come so near a decision.
     let near = agreeing.iter().filter(|tie| **tie < NEAR).count() as f64 / agreeing.len() as f64;
     println!("{share:.1e} of {walks} walks differ; {near:.3} of all walks come near a decision");
-    assert!(near < 0.05, "{near} of all walks come near a decision");
+    assert!(near < most_near, "{near} of all walks come near a decision");
 }
 
 #[test]
@@ -127,6 +132,49 @@ fn a_cell_that_is_one_percent_denser_is_noticed() {
     let mut bent = cells.clone();
     bent.cells.iter_mut().filter(|cell| cell.0 > 0.0).step_by(10).for_each(|cell| cell.0 *= 1.01);
     let Comparison { walks, differing, .. } = compare(cells.prepare(), bent.prepare(), 20_000);
+    let far = differing.iter().filter(|tie| **tie > NEAR).count();
+    println!("{far} of {walks} walks differ far from a decision");
+    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+}
+
+/// Cells at random with one placement, and factors between 1 and 2 at random.
+fn placed(seed: u64, placement: &'static str) -> CellCloth {
+    let cells = random_cells(seed);
+    let mut random = SplitMix(seed ^ 0x9e37);
+    let factors = cells.cells.iter().map(|_| 1.0 + random.uniform()).collect();
+    CellCloth { base: cells.base.placed(placement), factors, ..cells }
+}
+
+#[test]
+fn walks_carried_through_fibers_agree_in_sheets() {
+    check(&Cloth::isotropic(0.5).placed("carried"), 4096, 1e-4);
+    check(&Cloth::isotropic(4.0).placed("carried"), 2048, 2e-4);
+    let fibers = vec![(60.0, ISOTROPIC.to_owned()), (60.0, PLANAR.to_owned()), (60.0, aligned([0.48, -0.6, 0.64]))];
+    let cloth = Cloth { fibers, length_over_radius: 9.0, ..Cloth::isotropic(1.0) }
+        .lit_from("[[12, 10], [47, 100], [71, -130]]");
+    check(&cloth.placed("carried-dense"), 40_000, 2e-4);
+}
+
+#[test]
+fn walks_carried_through_fibers_agree_in_cells() {
+    for (seed, placement) in [(1, "carried"), (2, "carried-dense"), (3, "carried-void")] {
+        // Hit, axis and list have a cell each.
+        check_near(placed(seed, placement).prepare(), 20_000, 1e-4, 0.1);
+    }
+    // Cells from half a radius to a hundred radii; among thin ones a face is never far.
+    for (counts, placement) in [([5, 4, 200], "carried"), ([2, 180, 3], "carried-void"), ([1, 2, 2], "carried-void")] {
+        let base = Cloth::isotropic(1.0).lit_from("[[20, 40], [60, 15], [75, -70]]").placed(placement);
+        let some = |[x, y, z]: [u32; 3]| f64::from(u8::from((x + y / 40 + z / 40) % 2 == 0));
+        check_near(CellCloth::new(base, counts, [1.1, 0.9], some).prepare(), 20_000, 2e-4, 0.1);
+    }
+}
+
+#[test]
+fn a_fiber_that_is_one_percent_thicker_is_noticed() {
+    let cells = placed(1, "carried").prepare();
+    let mut bent = cells.clone();
+    bent.0.kinds[0].radius *= 1.01;
+    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
     let far = differing.iter().filter(|tie| **tie > NEAR).count();
     println!("{far} of {walks} walks differ far from a decision");
     assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");

@@ -524,11 +524,12 @@ fn what_is_not_available_yet_is_refused_by_name() {
         ("ior = 1.5", "ior = 1.5\nroughness_deg = 1", "5:1: `roughness_deg` is not available yet"),
         ("ior = 1.5", "ior = 1.5\ncross_section = {}", "5:1: `cross_section` is not available yet"),
     ]);
-    let word =
-        |key: &str, word: &str, only: &str| format!("`model.{key}`: \"{word}\" is not available yet; allowed: {only}");
     refuse_lines(&[
-        ("[model]\nplacement = \"carried\"", &format!("12:13: {}", word("placement", "carried", "at-hit"))),
-        ("[model]\nplacement = \"carried-dense\"", &format!("12:13: {}", word("placement", "carried-dense", "at-hit"))),
+        (
+            "[model]\nplacement = \"carried-void\"\ntracking = \"tabulated\"",
+            "12:13: `placement` \"carried-void\" does not go with `tracking` \"tabulated\", whose table has the cell of the ray \
+             and not that of the fiber's axis; take \"null-collision\", or placement \"at-hit\"",
+        ),
         ("[model]\ncells = [32, 32, 16]", &format!("12:1: `cells` {cells}")),
         ("[model]\ncone_deg = 2", &format!("12:1: `cone_deg` {cells}")),
         (
@@ -589,8 +590,14 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
                 "--tracking:1:1: `tracking`: unknown value \"tables\"; allowed: null-collision, tabulated",
             ),
             (
-                &["--placement", "carried"],
-                "--placement:1:1: `placement`: \"carried\" is not available yet; allowed: at-hit",
+                &["--placement", "carry"],
+                "--placement:1:1: `placement`: unknown value \"carry\"; allowed: at-hit, carried, carried-dense, \
+                 carried-void",
+            ),
+            (
+                &["--tracking", "tabulated", "--placement", "carried"],
+                "`placement` \"carried\" does not go with `tracking` \"tabulated\", whose table has the cell of the ray and \
+                 not that of the fiber's axis; take \"null-collision\", or placement \"at-hit\"",
             ),
         ],
     );

@@ -377,5 +377,8 @@ fn the_model_of_a_weave_has_cells_and_a_cone() {
     let error = model.set_from_flag("cells", "24x24").expect_err("a count is missing");
     assert_eq!(error.to_string(), format!("--cells:1:1: `cells` is 24x24, {cells}"));
     let error = model.set_from_flag("placement", "5").expect_err("it is no word");
-    assert_eq!(error.to_string(), "--placement:1:1: `placement` is 5, but must be one of at-hit");
+    assert_eq!(
+        error.to_string(),
+        "--placement:1:1: `placement` is 5, but must be one of at-hit, carried, carried-dense, carried-void"
+    );
 }

@@ -60,7 +60,7 @@ pub struct Arguments {
     /// How the next collision is drawn: null-collision or tabulated
     #[arg(long, value_name = "TRACKING")]
     tracking: Option<String>,
-    /// Where the next flight starts: at-hit
+    /// Where the next flight starts, and at which rate it ends: at-hit, carried, carried-dense or carried-void
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at

@@ -4,14 +4,14 @@ use super::cells::{Cell, CellGrid};
 use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
 use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
-use super::sheet::{Bundle, SpecificLength};
+use super::placement::MAX_SEPARATE_FRACTION;
+use super::sheet::SpecificLength;
 use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
-use crate::scene::Model;
+use crate::scene::{Model, Placement};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-use std::f64::consts::PI;
 
 /// Edge of a cell in radii of the thinnest fiber where the file does not say.
 const EDGE: f64 = 2.0;
@@ -34,8 +34,6 @@ const CHUNK: u64 = 16;
 const MAX_VOLUME_FRACTION: f64 = 2.3;
 /// Sums of R·length, in units of the count, that a word holds with certainty.
 const MOST_UNITS: f64 = (1u64 << 62) as f64;
-/// Separate fibers cannot fill more of a cell than this.
-const MAX_SEPARATE_FRACTION: f64 = 0.9;
 /// Standard errors by which a cell must be too full to be refused: once in 3·10⁶ cells by chance.
 const SURELY: f64 = 5.0;
 
@@ -144,10 +142,17 @@ impl SpecificLength {
             return Err(Error::Input(message));
         }
         let found = sums.finish(element, model, &grids);
-        match too_full(&found.0, &sums, element.radii) {
-            Some(full) => Err(refuse(element, model, &sums, full)),
-            None => Ok(found),
+        if let Some(full) = too_full(&found.0, &sums, element.radii) {
+            return Err(refuse(element, model, &sums, full));
         }
+        if model.placement == Placement::CarriedVoid {
+            let message =
+                "placement \"carried-void\" is not available yet for cloth of yarns; take \"carried\" or \"at-hit\"";
+            return Err(Error::Input(message.into()));
+        }
+        let (mut specific_length, gathering) = found;
+        specific_length.place(model.placement, |kind| element.radii[kind])?;
+        Ok((specific_length, gathering))
     }
 }
 
@@ -278,7 +283,7 @@ impl Sums {
         };
         let values: Vec<Cell> = self.surface.iter().zip(grids.cells.places()).map(cell).collect();
         let specific_length = SpecificLength { grid, cells: grids.cells, values, lists, spread_error };
-        let fractions = volume_fractions(&specific_length, element.radii);
+        let fractions = specific_length.volume_fractions(radius);
         let gathering = Gathering {
             realizations: self.realizations,
             error: self.error(),
@@ -291,24 +296,13 @@ impl Sums {
     }
 }
 
-/// Share of each cell that is fiber, v = π Σ R² F = π ⟨R²F⟩/⟨RF⟩ Σ R F.
-fn volume_fractions(specific_length: &SpecificLength, radii: &[f64]) -> Vec<f64> {
-    let thickness = |list: &Vec<Bundle>| {
-        let mean = |power: i32| list.iter().map(|b| radii[b.kind].powi(power) * b.length_density).sum::<f64>();
-        PI * mean(2) / mean(1)
-    };
-    let thickness: Vec<f64> = specific_length.lists.iter().map(thickness).collect();
-    let fraction = |cell: &Cell| if cell.surface > 0.0 { cell.surface * thickness[cell.list as usize] } else { 0.0 };
-    specific_length.values.iter().map(fraction).collect()
-}
-
 /// The cell that is most surely too full, and its volume fraction.
 fn too_full(specific_length: &SpecificLength, sums: &Sums, radii: &[f64]) -> Option<(usize, f64)> {
     // Of a few realizations the spread is not known.
     if sums.realizations < FEWEST {
         return None;
     }
-    let fractions = volume_fractions(specific_length, radii);
+    let fractions = specific_length.volume_fractions(|kind| radii[kind]);
     let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * sums.relative_error(i));
     let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b)))?;
     (surely(&fullest) > MAX_VOLUME_FRACTION).then(|| (fullest, fractions[fullest]))

@@ -26,6 +26,7 @@ mod clip;
 mod count;
 mod directions;
 mod lists;
+mod placement;
 mod sheet;
 mod spread;
 

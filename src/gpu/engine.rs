@@ -5,7 +5,7 @@ use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
 use super::pack::{absorption_table, cell_table, direction_entries, direction_table, incident_table};
-use super::params::{counts, params, start_words};
+use super::params::{counts, params, placement, start_words};
 use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
 use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
@@ -187,6 +187,7 @@ impl<'a> Run<'a> {
             roulette,
             cells: cells > 0,
             visible_n: tables.visible.as_ref().map_or(0, |visible| visible.n),
+            placement: placement(tables),
         };
         let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };
         let channels = tables.absorbing().then(|| tables.channels());

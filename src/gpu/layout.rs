@@ -41,6 +41,7 @@ gpu_struct! {
         threshold_bits: u32, max_events: u32, exit_n: u32, exit_cells: u32, start_words: u32, mean_free_path: f32,
         thickness: f32, patch_unit: f32, incident_edge: f32, starts_reciprocal: f32, half_length: f32,
         kinds: [[f32; 4]; MAX_KINDS], clearest: [f32; 4], counts: [f32; 4], per_edge: [f32; 4],
+        carry: [f32; 4],
     }
 }
 

@@ -25,6 +25,7 @@ pub fn params(
     let (counts, per_edge) = tables.cells.as_ref().map_or((DVec3::ONE, DVec3::ONE), |cells| {
         (DVec3::from(cells.grid.counts.map(f64::from)), cells.grid.edges().recip())
     });
+    let radius = tables.carry.map_or(0.0, |carry| carry.radius);
     let walk_count = (walks.end - walks.start) as u32;
     let mut kinds = [[0.0; 4]; MAX_KINDS];
     for (place, kind) in kinds.iter_mut().zip(&tables.kinds) {
@@ -54,7 +55,13 @@ pub fn params(
         clearest: by_kind(tables, |kind| kind.clearest() as f32),
         counts: counts.as_vec3().extend(0.0).to_array(),
         per_edge: per_edge.as_vec3().extend(0.0).to_array(),
+        carry: (per_edge * radius).extend(radius).as_vec4().to_array(),
     }
+}
+
+/// The number of the placement in the shaders.
+pub fn placement(tables: &SamplingTables) -> u32 {
+    tables.carry.map_or(0, |carry| 1 + u32::from(carry.factors))
 }
 
 /// Words that the device keeps for one start: numbers of walks by bin, then four words of moments by exit bin and

@@ -56,6 +56,7 @@ impl<'a> Probe<'a> {
             ("VISIBLE_N", self.tables.visible.as_ref().map_or(0.0, |visible| f64::from(visible.n))),
             ("CELLS_IN_TEXTURE", flag(self.in_texture)),
             ("LISTED", flag(listed)),
+            ("PLACEMENT", f64::from(params::placement(self.tables))),
             ("KINDS", self.tables.kinds.len() as f64),
             ("BASES", flag(self.tables.half_length.is_finite())),
         ];

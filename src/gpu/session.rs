@@ -28,6 +28,8 @@ pub struct Shape {
     pub cells: bool,
     /// Cells along an edge of the table of H(m); 0 for null collisions.
     pub visible_n: u32,
+    /// As the shaders number it.
+    pub placement: u32,
 }
 
 /// A pipeline with its buffers.
@@ -137,7 +139,7 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 15] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 16] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -153,6 +155,7 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 15] {
         ("BASES", flag(shape.bases)),
         ("ROULETTE", flag(shape.roulette)),
         ("VISIBLE_N", f64::from(shape.visible_n)),
+        ("PLACEMENT", f64::from(shape.placement)),
         ("CELLS", flag(shape.cells)),
         ("CELLS_IN_TEXTURE", flag(shape.in_texture.cells)),
     ]

@@ -44,6 +44,7 @@ impl Shader {
             part!("cells.wgsl"),
             part!("medium.wgsl"),
             part!("march.wgsl"),
+            part!("carried.wgsl"),
             part!("cylinder.wgsl"),
             part!("goniometer.wgsl"),
         ])

@@ -94,7 +94,10 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
     let (specific_length, cloth, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
-            (SpecificLength::of_sheet(sheet, grid, |kind| scene.fibers[kind].radius), None, None)
+            let radius = |kind: usize| scene.fibers[kind].radius;
+            let mut length = SpecificLength::of_sheet(sheet, grid, radius);
+            length.place(scene.model.placement, radius)?;
+            (length, None, None)
         }
         Structure::Weave(_) | Structure::Knit(_) => {
             let cloth = Cloth::new(scene)?;

@@ -19,6 +19,8 @@ pub struct Flight {
     densest: f64,
     /// Fibers that were refused at the collision so far; none on the way to it.
     refused: u32,
+    /// The flight starts on the surface of a fiber, where nothing is known of the cells about.
+    pub(super) left_fiber: bool,
 }
 
 /// What one event brings.
@@ -28,14 +30,15 @@ pub enum Event {
     Left,
     /// The ray has come to the face of a cell.
     Passed,
-    /// A fiber of this list is to be drawn, and hit with probability `share` |m × p|.
+    /// A fiber of this list is to be drawn, and hit with probability `share` |m × p|; when light is carried through fibers,
+    /// times the share of the axis's cell.
     Fiber { share: f64, list: u32 },
 }
 
 impl Flight {
     /// A walk that sets out from a station.
     pub fn new(station: Station) -> Flight {
-        Flight { station, depth: None, densest: 0.0, refused: 0 }
+        Flight { station, depth: None, densest: 0.0, refused: 0, left_fiber: false }
     }
 
     /// Fly on through one event.
@@ -47,9 +50,10 @@ impl Flight {
         draws: &EventDraws,
         witness: &mut impl Witness,
     ) -> Event {
-        match &tables.visible {
-            None => self.tentative(tables, grid, m, draws, witness),
-            Some(visible) => self.march(tables, visible, grid, m, draws, witness),
+        match (&tables.visible, &tables.carry) {
+            (Some(visible), _) => self.march(tables, visible, grid, m, draws, witness),
+            (None, None) => self.tentative(tables, grid, m, draws, witness),
+            (None, Some(carry)) => self.tentative_carried(tables, carry, grid, m, draws, witness),
         }
     }
 

@@ -6,8 +6,10 @@
 //! Inputs: sampling tables (mm, 1/mm), goniometer, plan.
 //!
 //! Differs from the paper: null-collision tracking beside the paper's own (see [`tables`](crate::tables)), and the closed
-//! form of the cylinder (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper.
+//! form of the cylinder (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper, or by
+//! choice where the light leaves the fiber.
 
+mod carried;
 mod cells;
 mod engine;
 mod flight;

@@ -1,5 +1,6 @@
 //! One stochastic walk from fiber to fiber (paper §4).
 
+use super::carried::Touch;
 use super::cells::Station;
 use super::flight::{Event, Flight};
 use super::medium::draw_fiber;
@@ -65,7 +66,9 @@ pub(super) fn walk(
     let lit = goniometer.side(start);
     let words = draw(plan.seed, id, 0, Purpose::Start);
     let mut m = -goniometer.start_direction(start, start_draws(words));
-    let z = if lit == Side::Front { 0.0 } else { -tables.thickness };
+    // A hit lies up to a radius beyond the faces when it belongs to its fiber's axis.
+    let beyond = tables.carry.map_or(0.0, |carry| carry.radius);
+    let z = if lit == Side::Front { beyond } else { -tables.thickness - beyond };
     let homogeneous = CellGrid::homogeneous(tables.thickness);
     let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
     let station = Station::start(grid, (start_place(words) * grid.period).extend(z));
@@ -88,6 +91,13 @@ pub(super) fn walk(
         };
         // Draw the fiber there and see whether the ray hits it.
         let (p, kind) = draw_fiber(tables, list, &draws, plan.jitter);
+        let radius = tables.kinds[kind].radius;
+        let share = match &tables.carry {
+            Some(_) => {
+                share * flight.share_of_axis(tables, grid, &Touch { m, p, offset: draws.offset, radius }, witness)
+            }
+            None => share,
+        };
         let seen = share * m.cross(p).length();
         let hit = draws.accept < seen;
         if share > 0.0 {
@@ -98,7 +108,10 @@ pub(super) fn walk(
             let number = draws.accept / seen;
             let passage = scatter(m, p, draws.offset, number, &tables.kinds[kind], tables.half_length, witness);
             m = passage.direction.normalize();
-            walked.lengths[kind] += passage.path * tables.kinds[kind].radius;
+            walked.lengths[kind] += passage.path * radius;
+            if tables.carry.is_some() {
+                flight.carry(passage.displacement * radius);
+            }
             walked.base_exits += u32::from(passage.through_base);
             walked.record.hits += 1;
         }

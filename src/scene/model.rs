@@ -21,6 +21,28 @@ pub enum Tracking {
 pub enum Placement {
     /// At the hit point (the paper).
     AtHit,
+    /// Where light leaves the fiber; collisions come at the rate H of the cell that holds the fiber's axis.
+    Carried,
+    /// The same, at the rate H/(1 − v) of that cell: fibers that do not overlap.
+    CarriedDense,
+    /// The same, at the rate H of that cell times e/(1 − c) of the cell of the hit; e is the share of fiber surface that lies
+    /// in no other fiber, c the share of the volume that fibers cover.
+    CarriedVoid,
+}
+
+/// The words of the cloth file.
+const PLACEMENTS: [(&str, Placement); 4] = [
+    ("at-hit", Placement::AtHit),
+    ("carried", Placement::Carried),
+    ("carried-dense", Placement::CarriedDense),
+    ("carried-void", Placement::CarriedVoid),
+];
+
+impl Placement {
+    /// Its word in the cloth file.
+    pub fn name(self) -> &'static str {
+        PLACEMENTS.iter().find(|(_, placement)| *placement == self).map_or("", |(name, _)| name)
+    }
 }
 
 /// How the fibers of a realization are laid.
@@ -105,7 +127,22 @@ impl Model {
                 self.set(key, &value)?;
             }
         }
-        Ok(())
+        match (self.conflict(), table.get("placement")) {
+            (Some(message), Some(value)) => Err(value.error(message)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Why these settings do not go together, if they do not.
+    pub fn conflict(&self) -> Option<String> {
+        let carried = self.placement != Placement::AtHit && self.tracking == Tracking::Tabulated;
+        carried.then(|| {
+            format!(
+                "`placement` \"{}\" does not go with `tracking` \"tabulated\", whose table has the cell of the ray and not that \
+                 of the fiber's axis; take \"null-collision\", or placement \"at-hit\"",
+                self.placement.name()
+            )
+        })
     }
 
     /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `directions`, `cells` (such as `24x24x8`)
@@ -130,10 +167,7 @@ impl Model {
                 let words = [("null-collision", Tracking::NullCollision), ("tabulated", Tracking::Tabulated)];
                 self.tracking = value.choice(&words, &[])?;
             }
-            "placement" => {
-                let planned = ["carried", "carried-dense", "carried-void"];
-                self.placement = value.choice(&[("at-hit", Placement::AtHit)], &planned)?;
-            }
+            "placement" => self.placement = value.choice(&PLACEMENTS, &[])?,
             "packing" => {
                 self.packing = value.choice(&[("random", Packing::Random), ("separate", Packing::Separate)], &[])?;
             }

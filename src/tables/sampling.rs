@@ -2,10 +2,11 @@
 
 use super::alias::AliasTable;
 use super::blocks::{Reach, reaches};
+use super::carry::{Carry, rates};
 use super::kind::Kind;
 use super::visible::VisibleArea;
 use crate::concentric::Patch;
-use crate::distribution::{Bundle, Cell, CellGrid, SpecificLength, surface};
+use crate::distribution::{Bundle, CellGrid, SpecificLength, surface};
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Tracking};
 
@@ -26,9 +27,9 @@ pub struct List {
 pub struct CellEntry {
     /// Share of its tentative events in those of the majorant, 0 to 1.
     pub share: f64,
-    /// Factor of the rate that depends on where a flight starts.
+    /// Factor of the rate for hits here, by the placement of flights.
     pub placement: f64,
-    /// Index of its list.
+    /// Index of its list, or of the list that it borrows.
     pub list: u32,
     /// What may be jumped over.
     pub reach: Reach,
@@ -48,7 +49,7 @@ pub struct Cells {
 pub struct SamplingTables {
     /// Thickness of the cloth in mm; it fills 0 ≥ z ≥ −thickness.
     pub thickness: f64,
-    /// Rate of tentative events in the densest cell, 2·Σ R F, in 1/mm: never below H(m).
+    /// Rate of tentative events in the densest cell, 2·Σ R F times its factor, in 1/mm: never below that of collisions.
     pub majorant: f64,
     /// Kinds of fiber, at least one.
     pub kinds: Vec<Kind>,
@@ -66,6 +67,8 @@ pub struct SamplingTables {
     pub cells: Option<Cells>,
     /// H(m) by list, for tracking by tables.
     pub visible: Option<VisibleArea>,
+    /// How hits and axes belong together; none when flights start at hits.
+    pub carry: Option<Carry>,
 }
 
 impl SamplingTables {
@@ -80,9 +83,11 @@ impl SamplingTables {
         let SpecificLength { cells, values, lists, grid, .. } = specific_length;
         check(specific_length)?;
         let radius = |kind: usize| kinds[place(kind)].radius;
+        let largest = kinds.iter().map(|kind| kind.radius).fold(0.0, f64::max);
+        let rates = rates(specific_length, scene.model.placement, largest);
         let mut tables = SamplingTables {
             thickness: cells.thickness,
-            majorant: 2.0 * values.iter().map(|cell| cell.surface).fold(0.0, f64::max),
+            majorant: rates.majorant,
             kinds: Vec::new(),
             half_length: scene.model.length_over_radius / 2.0,
             lists: Vec::new(),
@@ -91,22 +96,26 @@ impl SamplingTables {
             patch_unit: grid.unit(),
             cells: None,
             visible: None,
+            carry: rates.carry,
         };
         for bundles in lists {
             tables.add_list(bundles, radius, place)?;
         }
         if values.len() > 1 {
             let empty: Vec<bool> = values.iter().map(|cell| cell.surface == 0.0).collect();
-            let entry = |(cell, reach): (&Cell, Reach)| CellEntry {
-                share: 2.0 * cell.surface / tables.majorant,
-                placement: cell.placement,
-                list: if cell.surface > 0.0 { cell.list } else { 0 },
+            let entry = |(cell, reach): (usize, Reach)| CellEntry {
+                share: rates.shares[cell],
+                placement: rates.factors[cell],
+                list: rates.lists[cell],
                 reach,
             };
-            let entries = values.iter().zip(reaches(cells, &empty)).map(entry).collect();
+            let entries = reaches(cells, &empty).into_iter().enumerate().map(entry).collect();
             tables.cells = Some(Cells { grid: *cells, entries });
         }
         tables.kinds = kinds;
+        if let Some(message) = scene.model.conflict() {
+            return Err(Error::Input(message));
+        }
         if scene.model.tracking == Tracking::Tabulated {
             tables.visible = Some(VisibleArea::new(&tables)?);
         }
@@ -188,7 +197,8 @@ fn check(specific_length: &SpecificLength) -> Result<()> {
         return complaint(format!("a grid of {} cells was given {} cells", cells.len(), values.len()));
     }
     for (index, cell) in values.iter().enumerate() {
-        let fine = cell.surface >= 0.0 && cell.surface.is_finite() && cell.placement.is_finite();
+        let fine =
+            cell.surface >= 0.0 && cell.surface.is_finite() && cell.placement >= 0.0 && cell.placement.is_finite();
         if !fine || (cell.surface > 0.0 && cell.list as usize >= lists.len()) {
             return complaint(format!("cell {index} of {} cannot be used: {cell:?}", values.len()));
         }

@@ -19,6 +19,8 @@ pub struct CellCloth {
     /// Surface Σ R F in 1/mm and list of each cell.
     pub cells: Vec<(f64, u32)>,
     pub lists: Vec<Vec<Bundle>>,
+    /// Factor of each cell; all 1 where there is none.
+    pub factors: Vec<f64>,
 }
 
 /// The list of a sheet.
@@ -40,7 +42,7 @@ impl CellCloth {
         let whole = surface_of(&base);
         let cells = grid.places().map(|place| (share(place) * whole, 0)).collect();
         let lists = vec![list_of(&base)];
-        CellCloth { base, counts, period, cells, lists }
+        CellCloth { base, counts, period, cells, lists, factors: Vec::new() }
     }
 
     pub fn grid(&self) -> CellGrid {
@@ -48,10 +50,12 @@ impl CellCloth {
     }
 
     pub fn specific_length(&self) -> SpecificLength {
+        let placement = |i: usize| self.factors.get(i).copied().unwrap_or(1.0);
+        let cell = |(i, &(surface, list))| Cell { surface, placement: placement(i), list };
         SpecificLength {
             grid: DirectionGrid { n: self.base.directions.isqrt() },
             cells: self.grid(),
-            values: self.cells.iter().map(|&(surface, list)| Cell { surface, placement: 1.0, list }).collect(),
+            values: self.cells.iter().enumerate().map(cell).collect(),
             lists: self.lists.clone(),
             spread_error: 0.0,
         }

@@ -57,6 +57,7 @@ pub struct Cloth {
     pub fibers: Vec<(f64, String)>,
     pub directions: u32,
     pub tracking: &'static str,
+    pub placement: &'static str,
     pub incident: String,
     pub exit: u32,
 }
@@ -87,6 +88,7 @@ impl Cloth {
             fibers: vec![(length_density, orientation.into())],
             directions: 1024,
             tracking: "null-collision",
+            placement: "at-hit",
             incident: "8".into(),
             exit: 16,
         }
@@ -106,9 +108,15 @@ impl Cloth {
         Cloth { tracking: "tabulated", ..self }
     }
 
+    /// The same sheet with another placement.
+    pub fn placed(self, placement: &'static str) -> Cloth {
+        Cloth { placement, ..self }
+    }
+
     /// The file's text.
     pub fn toml(&self) -> String {
-        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, incident, exit, sides, .. } = self;
+        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, placement, .. } = self;
+        let Cloth { incident, exit, sides, .. } = self;
         let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
             format!("[fiber.{name}]\nradius_um = {radius}\nior = {ior}\nabsorption_per_mm = {absorption}\n")
         };
@@ -117,8 +125,8 @@ impl Cloth {
             text += &fiber(&format!("g{i}"), &kind.radius_um, &kind.ior, &kind.absorption);
         }
         text += &format!(
-            "[model]\ntracking = \"{tracking}\"\ndirections = {directions}\nlength_over_radius = {}\n[measure]\nsides = {sides}\n\
-             incident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
+            "[model]\ntracking = \"{tracking}\"\nplacement = \"{placement}\"\ndirections = {directions}\n\
+             length_over_radius = {}\n[measure]\nsides = {sides}\nincident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
             self.length_over_radius
         );
         let mut part = |name: &str, density: f64, rest: &str| {

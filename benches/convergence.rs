@@ -122,7 +122,7 @@ impl<'a> Study<'a> {
             cells: CellGrid { counts, period: self.cloth.period(), thickness: self.cloth.thickness() },
             list_width: self.cloth.spacing().extend(self.cloth.thickness()) * setting.lists,
             radii: &radii,
-            realize: &|number| self.cloth.realize(0, setting.first + number),
+            realize: &|number| Ok(self.cloth.draw(0, setting.first + number)),
         };
         let mut model = self.scene.model;
         (model.directions, model.cone) = (setting.directions, Some(setting.cone_deg.to_radians()));

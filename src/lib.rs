@@ -26,6 +26,7 @@ pub mod cloth;
 pub mod concentric;
 pub mod distribution;
 pub mod error;
+pub mod explicit;
 pub mod export;
 pub mod goniometer;
 pub mod gpu;

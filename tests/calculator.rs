@@ -4,7 +4,7 @@
 mod common;
 
 use common::SplitMix;
-use common::counted::{Counted, vectors_z};
+use common::counted::{Counted, realization, vectors_z};
 use common::stats::GATE;
 use common::woven::{Woven, Yarn};
 use fiberwalk::cloth::{Cloth, Primitive, System};
@@ -333,11 +333,12 @@ fn piece_of_length(length: f64) -> Primitive {
 #[test]
 fn the_error_of_thin_fibers_is_not_rounded_away() {
     // Fibers of 20 nm in one of two cells at random: the density of a cell is off by 1/√n of itself.
+    let cells = fiberwalk::distribution::CellGrid { counts: [2, 1, 1], period: glam::DVec2::ONE, thickness: 1.0 };
     let pieces = |number: u64| {
         let centre = DVec3::new(if SplitMix(number).uniform() < 0.5 { 0.25 } else { 0.75 }, 0.5, -0.5);
-        vec![Primitive { centre, direction: DVec3::Y, length: 1e-4, radius: 2e-5, kind: 0, thread: 0 }]
+        let piece = Primitive { centre, direction: DVec3::Y, length: 1e-4, radius: 2e-5, kind: 0, thread: 0 };
+        Ok(realization(&[piece], &cells))
     };
-    let cells = fiberwalk::distribution::CellGrid { counts: [2, 1, 1], period: glam::DVec2::ONE, thickness: 1.0 };
     let element = fiberwalk::distribution::Element { cells, list_width: DVec3::ZERO, radii: &[2e-5], realize: &pieces };
     let model = Model::default();
     let (_, gathering) =

@@ -390,7 +390,7 @@ fn a_cloth_file_beyond_ascii_survives_byte_for_byte() {
 fn the_model_is_told_with_its_defaults() {
     let model = |length: Value| {
         json!({
-            "tracking": "null-collision", "placement": "at-hit", "directions": 1024, "length_over_radius": length,
+            "tracking": "null-collision", "placement": "at-hit", "packing": "random", "directions": 1024, "length_over_radius": length,
         })
     };
     let preset = Measured::listed();

@@ -8,9 +8,9 @@ use common::{Cloth, ISOTROPIC, PLANAR, SplitMix, aligned, assert_ran, gpu};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
-use fiberwalk::reference::{Replay, Walked, replay};
+use fiberwalk::reference::{Replay, replay};
 use fiberwalk::tables::SamplingTables;
-use fiberwalk::walk::{WalkPlan, WalkRecord};
+use fiberwalk::walk::{WalkPlan, WalkRecord, Walked};
 
 /// Rounding errors of a walk stay below this share of a decision's scale: a few ulps of f32, 1.2e-7 each, for each of
 /// some ten events, and curved fibers multiply them from hit to hit.

@@ -103,7 +103,14 @@ fn true_error(cloth: &Cloth) -> f64 {
     let prepared = prepare(&cloth.scene()).expect("the cloth is fine");
     let engine = choose(EngineChoice::Gpu, None).expect("these tests need an adapter");
     let square = (0..50).map(|seed| {
-        let run = run(&prepared, &engine, 5001 + seed, Stop::Tolerance(0.03), Instant::now(), None);
+        let run = run(
+            &prepared.with(&engine),
+            &prepared.goniometer,
+            5001 + seed,
+            Stop::Tolerance(0.03),
+            Instant::now(),
+            None,
+        );
         let tally = run.expect("the run ends").tally;
         assert_ran(&tally, "gpu");
         share(&tally).iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / power

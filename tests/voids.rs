@@ -3,7 +3,7 @@
 mod common;
 
 use common::SplitMix;
-use common::counted::scattered_pieces;
+use common::counted::{realization, scattered_pieces};
 use common::stats::{GATE, binomial_z, mean_error};
 use fiberwalk::cloth::Primitive;
 use fiberwalk::distribution::{CellGrid, Effort, Element, Gathering, SpecificLength, Voids};
@@ -23,7 +23,8 @@ fn measure(
     realize: &(dyn Fn(u64) -> Vec<Primitive> + Sync),
     realizations: u64,
 ) -> (SpecificLength, Gathering) {
-    let element = Element { cells: grid(), list_width: DVec3::splat(0.1), radii: &[RADIUS], realize };
+    let realize = |number| Ok(realization(&realize(number), &grid()));
+    let element = Element { cells: grid(), list_width: DVec3::splat(0.1), radii: &[RADIUS], realize: &realize };
     let model = Model { placement, cone: Some(0.0), directions: 64, ..Model::default() };
     SpecificLength::of_pieces(&element, &model, Effort::Realizations(realizations), |_| {})
         .unwrap_or_else(|error| panic!("{error}"))

@@ -1,20 +1,22 @@
 //! `fiberwalk measure`.
 
+mod notes;
+mod watch;
+
 use super::show::{grouped, reciprocity_lines, totals_table};
 use super::{one_line, print};
-use fiberwalk::distribution::{Gathering, SpecificLength};
+use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{
-    ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Prepared, Progress, Stop, choose, prepare_with, run as measure,
+    EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare_explicit, prepare_with, run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
-use fiberwalk::scene::{Scene, Source, Structure};
+use fiberwalk::scene::{Medium, Scene, Source};
+use fiberwalk::walk::Walker;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-
-/// Time between two lines of progress where there is no terminal.
-const LINE_EVERY: Duration = Duration::from_secs(10);
+use watch::Watch;
 
 /// Measure the BSDF of a cloth: a result folder with bsdf.exr, tally.exr and summary.json
 #[derive(clap::Args)]
@@ -49,6 +51,12 @@ pub struct Arguments {
     /// No notes and no progress, only results and errors
     #[arg(long)]
     quiet: bool,
+    /// What the light goes through: implicit, the statistical medium, or explicit, the fibers themselves
+    #[arg(long, value_enum, default_value_t = ModelChoice::Implicit)]
+    model: ModelChoice,
+    /// How fibers are laid: random, where they may overlap, or separate, where they do not
+    #[arg(long, value_name = "PACKING")]
+    packing: Option<String>,
     /// How the next collision is drawn: null-collision or tabulated
     #[arg(long, value_name = "TRACKING")]
     tracking: Option<String>,
@@ -107,108 +115,119 @@ enum Choice {
     Cpu,
 }
 
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum ModelChoice {
+    Implicit,
+    Explicit,
+}
+
 /// Run the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let started = Instant::now();
-    let note = |text: &str| {
-        if !arguments.quiet {
-            eprintln!("{}", one_line(text));
-        }
-    };
     // Check everything that can be wrong before the first walk.
     let source = Source::find(&arguments.cloth)?;
     let mut scene = arguments.apply(Scene::parse(&source)?)?;
-    let counting = if arguments.quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
-    let style = ProgressStyle::with_template("{bar:30} {percent}% counting the fibers, {eta} left");
-    counting.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let prepared = prepare_with(&scene, |share| counting.set_position((1000.0 * share) as u64))?;
-    counting.finish_and_clear();
-    if prepared.gathering.is_some() {
-        // Tell the cells that were chosen.
-        scene.model.cells = Some(prepared.specific_length.cells.counts);
-    }
-    let cells = prepared.goniometer.starts() as u64;
-    let most = MAX_WALKS / cells;
-    if let Some(walks) = arguments.walks.filter(|walks| *walks > most) {
-        let message = format!("--walks {walks} is too many for {cells} incident cells; allowed: 1 to {most}");
-        return Err(Error::Input(message));
-    }
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
-    let folder = ResultFolder::prepare(&folder, arguments.force)?;
-    let choice = match arguments.engine {
-        Choice::Auto => EngineChoice::Auto,
-        Choice::Gpu => EngineChoice::Gpu,
-        Choice::Cpu => EngineChoice::Cpu,
-    };
-    let engine = choose(choice, arguments.adapter.as_deref())?;
     let stop = arguments.stop();
-    describe(&source, &scene, &prepared, &engine, stop).iter().for_each(|line| note(line));
-    let mut watch = Watch::new();
-    let mut show = |progress| watch.show(progress);
-    let progress: Option<&mut dyn FnMut(Progress)> = if arguments.quiet { None } else { Some(&mut show) };
-    let measurement = measure(&prepared, &engine, arguments.seed, stop, started, progress)?;
-    watch.bar.finish_and_clear();
-
+    let measurement = match scene.model.medium {
+        Medium::Implicit => arguments.through_medium(&mut scene, &source, stop, started)?,
+        Medium::Explicit => arguments.through_fibers(&scene, &source, stop, started)?,
+    };
+    let (folder, measurement) = measurement;
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
+    let clustering = measurement.clustering.as_ref().map(notes::of_clustering).unwrap_or_default();
     let findings =
-        [totals_table(&scene, &measurement), reciprocity_lines(&scene, &measurement), speed(&measurement)].concat();
-    print(&format!("{findings}\n{files}"))
-}
-
-/// What is going to be measured, how, and until when.
-fn describe(source: &Source, scene: &Scene, prepared: &Prepared, engine: &ChosenEngine, stop: Stop) -> Vec<String> {
-    let depth = prepared.tables.depth();
-    let mut lines = vec![format!("{}: {}", source.file, scene.name)];
-    if let Some(gathering) = &prepared.gathering {
-        lines.extend(woven(prepared, gathering));
-    }
-    if let Structure::Sheet(sheet) = &scene.structure {
-        let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
-        let fraction = sheet.volume_fraction(&scene.fibers);
-        lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
-    }
-    if prepared.specific_length.spread_error > 0.0 {
-        lines.push(format!(
-            "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
-            scene.model.directions,
-            100.0 * prepared.specific_length.spread_error
-        ));
-    }
-    if let Some(visible) = &prepared.tables.visible {
-        let (n, percent) = (visible.n, 100.0 * visible.error);
-        lines
-            .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
-    }
-    lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
-    if let Stop::Tolerance(tolerance) = stop {
-        let percent = (1e8 * tolerance).round() / 1e6;
-        lines.push(format!("stop: at a noise of {percent} % of the scattered light; the model's error is not in it"));
-    }
-    lines
-}
-
-/// The cells of a woven cloth.
-fn woven(prepared: &Prepared, gathering: &Gathering) -> Vec<String> {
-    let SpecificLength { cells, lists, .. } = &prepared.specific_length;
-    let [nx, ny, nz] = cells.counts;
-    let Gathering { realizations, error, volume_fraction, largest_fraction, filled, .. } = gathering;
-    let mut lines = vec![
-        format!(
-            "cells: {nx} × {ny} × {nz}, {} of {} hold fiber, which fills {volume_fraction:.3} of the cloth and at most \
-             {largest_fraction:.2} of a cell; {} lists of directions",
-            grouped(*filled as u64),
-            grouped(cells.len() as u64),
-            grouped(lists.len() as u64)
-        ),
-        format!("counted: {realizations} realizations, standard error of the densities {:.1} %", 100.0 * error),
-    ];
-    lines.extend(gathering.warning().map(|warning| format!("warning: {warning}")));
-    lines
+        [totals_table(&scene, &measurement), clustering, reciprocity_lines(&scene, &measurement), speed(&measurement)];
+    print(&format!("{}\n{files}", findings.concat()))
 }
 
 impl Arguments {
+    /// Walk through the implicit medium.
+    fn through_medium(
+        &self,
+        scene: &mut Scene,
+        source: &Source,
+        stop: Stop,
+        started: Instant,
+    ) -> Result<(ResultFolder, Measurement)> {
+        let counting = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
+        let style = ProgressStyle::with_template("{bar:30} {percent}% counting the fibers, {eta} left");
+        counting.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let prepared = prepare_with(scene, |share| counting.set_position((1000.0 * share) as u64))?;
+        counting.finish_and_clear();
+        if prepared.gathering.is_some() {
+            // Tell the cells that were chosen.
+            scene.model.cells = Some(prepared.specific_length.cells.counts);
+        }
+        let folder = self.folder(source, prepared.goniometer.starts() as u64)?;
+        let choice = match self.engine {
+            Choice::Auto => EngineChoice::Auto,
+            Choice::Gpu => EngineChoice::Gpu,
+            Choice::Cpu => EngineChoice::Cpu,
+        };
+        let engine = choose(choice, self.adapter.as_deref())?;
+        self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), stop);
+        let measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, stop, started)?;
+        Ok((folder, measurement))
+    }
+
+    /// Walk through the fibers themselves.
+    fn through_fibers(
+        &self,
+        scene: &Scene,
+        source: &Source,
+        stop: Stop,
+        started: Instant,
+    ) -> Result<(ResultFolder, Measurement)> {
+        let asked = match self.engine {
+            Choice::Gpu => Some("--engine gpu"),
+            _ => self.adapter.as_ref().map(|_| "--adapter"),
+        };
+        if let Some(flag) = asked {
+            let message = format!("{flag} cannot be used with --model explicit, which the cpu engine alone can do");
+            return Err(Error::Input(message));
+        }
+        let (explicit, goniometer) = prepare_explicit(scene)?;
+        let folder = self.folder(source, goniometer.starts() as u64)?;
+        self.tell(source, scene, notes::of_fibers(scene, &explicit, &goniometer), stop);
+        let mut measurement = self.walk(&explicit, &goniometer, stop, started)?;
+        measurement.clustering = explicit.clustering(&measurement.tally);
+        Ok((folder, measurement))
+    }
+
+    /// Check the number of walks, and where the results go.
+    fn folder(&self, source: &Source, cells: u64) -> Result<ResultFolder> {
+        let most = MAX_WALKS / cells;
+        if let Some(walks) = self.walks.filter(|walks| *walks > most) {
+            let message = format!("--walks {walks} is too many for {cells} incident cells; allowed: 1 to {most}");
+            return Err(Error::Input(message));
+        }
+        let folder = self.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
+        ResultFolder::prepare(&folder, self.force)
+    }
+
+    /// Say what is going to be measured, how, and until when.
+    fn tell(&self, source: &Source, scene: &Scene, how: Vec<String>, stop: Stop) {
+        if self.quiet {
+            return;
+        }
+        eprintln!("{}", one_line(&format!("{}: {}", source.file, scene.name)));
+        how.iter().for_each(|line| eprintln!("{}", one_line(line)));
+        let stop = notes::of_stop(stop, scene.model.medium == Medium::Explicit);
+        stop.iter().for_each(|line| eprintln!("{line}"));
+    }
+
+    /// Make the walks.
+    fn walk(&self, walker: &dyn Walker, goniometer: &Goniometer, stop: Stop, started: Instant) -> Result<Measurement> {
+        let mut watch = Watch::new();
+        let mut show = |progress| watch.show(progress);
+        let progress: Option<&mut dyn FnMut(Progress)> = if self.quiet { None } else { Some(&mut show) };
+        let measurement = measure(walker, goniometer, self.seed, stop, started, progress)?;
+        watch.bar.finish_and_clear();
+        Ok(measurement)
+    }
+
     /// The rule that was given, or a noise of 5 %.
     fn stop(&self) -> Stop {
         match (self.walks, self.time) {
@@ -220,14 +239,22 @@ impl Arguments {
 
     /// Let the flags have their way over the file.
     fn apply(&self, mut scene: Scene) -> Result<Scene> {
-        let model = [
+        let implicit = [
             ("tracking", &self.tracking),
             ("placement", &self.placement),
             ("cells", &self.cells),
             ("directions", &self.directions),
             ("cone", &self.cone),
         ];
-        for (key, text) in model {
+        if let ModelChoice::Explicit = self.model {
+            scene.model.medium = Medium::Explicit;
+            if let Some((flag, _)) = implicit.iter().find(|(_, text)| text.is_some()) {
+                let message =
+                    format!("--{flag} belongs to --model implicit; leave it out: the explicit model has no medium");
+                return Err(Error::Input(message));
+            }
+        }
+        for (key, text) in implicit.into_iter().chain([("packing", &self.packing)]) {
             if let Some(text) = text {
                 scene.model.set_from_flag(key, text)?;
             }
@@ -238,37 +265,6 @@ impl Arguments {
             }
         }
         Ok(scene)
-    }
-}
-
-/// Shows how far a run has come: a bar on a terminal, now and then a line elsewhere.
-struct Watch {
-    bar: ProgressBar,
-    line_due: Instant,
-}
-
-impl Watch {
-    fn new() -> Watch {
-        let template = "{bar:30} {percent}% {msg}, {eta} left";
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        Watch { bar: ProgressBar::new(1).with_style(style), line_due: Instant::now() + LINE_EVERY }
-    }
-
-    fn show(&mut self, progress: Progress) {
-        let rate = progress.walks as f64 / self.bar.elapsed().as_secs_f64();
-        let message = format!("{rate:.2e} walks/s, noise {:.1} %", 100.0 * progress.noise);
-        if self.bar.is_hidden() && Instant::now() >= self.line_due {
-            self.line_due += LINE_EVERY;
-            let planned = progress.planned.unwrap_or(progress.walks);
-            let share = progress.walks as f64 / planned as f64;
-            let left = planned.saturating_sub(progress.walks) as f64 / rate;
-            eprintln!("{:.0} % done, {message}, {left:.0} s left", 100.0 * share);
-        }
-        if let Some(planned) = progress.planned {
-            self.bar.set_length(planned.max(progress.walks));
-        }
-        self.bar.set_position(progress.walks);
-        self.bar.set_message(message);
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Curve {
     pub radius: f64,
     /// Index of the kind of fiber in the scene.
     pub kind: usize,
-    /// Index of the thread in [`Cloth::threads`].
+    /// Index of the thread in [`Cloth::threads`], or of the population in [`Sheet::fibers`](crate::scene::Sheet::fibers).
     pub thread: usize,
     /// Whether it is a hair, from the yarn to its open end; other fibers run through one period, from where their thread is
     /// cut.
@@ -28,7 +28,7 @@ pub struct Curve {
 }
 
 impl Cloth {
-    /// Draw the fibers of one thread, the same as in [`Cloth::realize`]: a function of the seed and the number of the draw.
+    /// Draw the fibers of one thread, the same as in [`Cloth::draw`]: a function of the seed and the number of the draw.
     /// Hairs come last.
     pub fn draw_thread(&self, seed: u64, number: u64, thread: usize, take: &mut dyn FnMut(&Curve)) {
         let place = &self.threads()[thread];
@@ -111,7 +111,7 @@ impl Cloth {
 }
 
 /// Random numbers of one stream of one draw.
-fn generator(seed: u64, number: u64, stream: u64) -> ChaCha8Rng {
+pub(super) fn generator(seed: u64, number: u64, stream: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&number.to_le_bytes());

@@ -26,17 +26,26 @@
 
 mod curves;
 mod flyaways;
+mod grid;
 mod knit;
 mod path;
 mod realization;
+mod realizer;
 mod repeat;
 mod rim;
 mod section;
+mod separate;
 mod statistics;
 mod steps;
+mod tube;
+mod web;
 mod woven;
 
 pub use curves::Curve;
-pub use realization::Primitive;
+pub use grid::{FiberGrid, Way, Work};
+pub use realization::{Primitive, Realization};
+pub use realizer::{Realizer, SEED};
 pub use repeat::{Cloth, System, Thread};
+pub use separate::Separation;
 pub use statistics::{Shape, Statistics};
+pub use tube::{Meeting, Tube};

@@ -7,7 +7,7 @@ use super::lists::{Lists, make_lists};
 use super::placement::MAX_SEPARATE_FRACTION;
 use super::sheet::SpecificLength;
 use super::voids::{VoidCount, VoidSums, Voids};
-use crate::cloth::{Cloth, Primitive};
+use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
 use crate::scene::{Model, Placement};
 use glam::DVec3;
@@ -31,8 +31,6 @@ const FEWEST: u64 = 32;
 const MOST: u64 = 4096;
 /// Fewest realizations to add.
 const CHUNK: u64 = 16;
-/// The fibers of a cloth do not depend on the seed of the walks.
-const SEED: u64 = 0;
 /// Fibers that are laid independently overlap: of a volume fraction v they cover 1 − exp(−v), at this one 0.9.
 const MAX_VOLUME_FRACTION: f64 = 2.3;
 /// Sums of R·length, in units of the count, that a word holds with certainty.
@@ -97,8 +95,8 @@ pub struct Element<'a> {
     pub list_width: DVec3,
     /// Radius of each kind of fiber in mm.
     pub radii: &'a [f64],
-    /// The pieces of a realization, from its number.
-    pub realize: &'a (dyn Fn(u64) -> Vec<Primitive> + Sync),
+    /// The fibers of a realization, from its number.
+    pub realize: &'a (dyn Fn(u64) -> Result<Realization> + Sync),
 }
 
 impl SpecificLength {
@@ -114,11 +112,12 @@ impl SpecificLength {
     ) -> Result<(SpecificLength, Gathering)> {
         let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
         let counts = model.cells.unwrap_or_else(|| default_counts(cloth));
+        let realizer = Realizer::of_yarns(cloth.clone(), model.packing);
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
             list_width: cloth.spacing().extend(cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
-            realize: &|number| cloth.realize(SEED, number),
+            realize: &|number| realizer.draw(number),
         };
         SpecificLength::of_pieces(&element, model, effort, progress)
     }
@@ -171,9 +170,9 @@ fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl F
         for first in (sums.realizations..wanted).step_by(side_by_side as usize) {
             let numbers = first..(first + side_by_side).min(wanted);
             let one = |number| {
-                let pieces = (element.realize)(number);
-                let voids = grids.voids.then(|| VoidCount::of_pieces(&pieces, &grids.cells, number)).transpose()?;
-                Ok((count(&pieces, grids), voids))
+                let realization = (element.realize)(number)?;
+                let voids = grids.voids.then(|| VoidCount::new(&realization, &grids.cells, number)).transpose()?;
+                Ok((count(&realization.pieces(), grids), voids))
             };
             let counts: Vec<(Count, Option<VoidCount>)> = numbers.into_par_iter().map(one).collect::<Result<_>>()?;
             counts.iter().for_each(|(count, voids)| sums.add(count, voids.as_ref()));

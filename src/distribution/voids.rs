@@ -2,15 +2,13 @@
 
 use super::cells::CellGrid;
 use super::sheet::SpecificLength;
-use crate::cloth::{Curve, FiberGrid, Primitive};
+use crate::cloth::{FiberGrid, Realization};
 use crate::error::Result;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Points on the surfaces of fibers, for an area of the smallest face of a cell.
 const SURFACE_POINTS: f64 = 1.0;
-/// Pieces that end and begin so near, in radii, belong to one fiber.
-const JOINT: f64 = 1e-6;
 
 /// The factors e/(1 − c) of a placement by voids.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,14 +38,14 @@ impl VoidCount {
     ///
     /// # Errors
     /// Those of [`FiberGrid::new`].
-    pub fn of_pieces(pieces: &[Primitive], cells: &CellGrid, number: u64) -> Result<VoidCount> {
+    pub fn new(realization: &Realization, cells: &CellGrid, number: u64) -> Result<VoidCount> {
         let mut count =
             VoidCount { surface: vec![0; cells.len()], free: vec![0; cells.len()], covered: vec![0; cells.len()] };
-        if pieces.is_empty() {
+        if realization.fibers.is_empty() {
             return Ok(count);
         }
         let mut random = Random(number);
-        let grid = FiberGrid::new(&fibers(pieces, cells), cells.period)?;
+        let grid = FiberGrid::new(&realization.fibers, realization.period)?;
         let edges = cells.edges();
         let area = (edges.x * edges.y).min(edges.y * edges.z).min(edges.z * edges.x);
         for tube in grid.tubes() {
@@ -71,35 +69,6 @@ impl VoidCount {
         }
         Ok(count)
     }
-}
-
-/// Whole fibers from pieces that follow each other.
-fn fibers(pieces: &[Primitive], cells: &CellGrid) -> Vec<Curve> {
-    let mut fibers: Vec<Curve> = Vec::new();
-    for piece in pieces {
-        let (half, way) = (piece.direction * (piece.length / 2.0), piece.direction * piece.length);
-        let start = piece.centre - half;
-        let follows = |fiber: &&mut Curve| {
-            let Some(end) = fiber.points.last() else { return false };
-            let mut gap = start - *end;
-            gap -= (cells.period * (gap.truncate() / cells.period).round()).extend(0.0);
-            fiber.kind == piece.kind && fiber.radius == piece.radius && gap.length() < JOINT * piece.radius
-        };
-        match fibers.last_mut().filter(follows) {
-            Some(fiber) => {
-                let end = fiber.points[fiber.points.len() - 1];
-                fiber.points.push(end + way);
-            }
-            None => fibers.push(Curve {
-                points: vec![start, start + way],
-                radius: piece.radius,
-                kind: piece.kind,
-                thread: piece.thread,
-                hair: false,
-            }),
-        }
-    }
-    fibers
 }
 
 /// Points of many realizations.

@@ -10,6 +10,9 @@ mod self_test;
 mod stop;
 
 pub use engine::{ChosenEngine, EngineChoice, choose};
-pub use run::{MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_with, run};
+pub use run::{
+    MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_with,
+    run,
+};
 pub use self_test::{SelfTest, self_test};
 pub use stop::Stop;

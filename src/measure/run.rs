@@ -1,15 +1,15 @@
 //! One measurement.
 
-use super::engine::ChosenEngine;
 use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::cloth::Cloth;
 use crate::distribution::{DirectionGrid, Effort, Gathering, SpecificLength};
 use crate::error::{Error, Result};
+use crate::explicit::{Clustering, Explicit};
 use crate::goniometer::{Goniometer, Moments, Tally};
 use crate::scene::{Scene, Structure};
-use crate::tables::SamplingTables;
-use crate::walk::{Engine, WalkPlan};
+use crate::tables::{Kind, SamplingTables};
+use crate::walk::{Engine, Implicit, WalkPlan, Walker};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -51,6 +51,8 @@ pub struct Measurement {
     pub tally: Tally,
     /// Where the time went.
     pub seconds: Seconds,
+    /// How much walks through one realization of the fibers resemble each other; none for a medium.
+    pub clustering: Option<Clustering>,
 }
 
 /// The medium and the instrument of a scene.
@@ -66,6 +68,13 @@ pub struct Prepared {
     pub tables: SamplingTables,
     /// The instrument.
     pub goniometer: Goniometer,
+}
+
+impl Prepared {
+    /// The medium, for an engine to send walks through.
+    pub fn with<'a>(&'a self, engine: &'a dyn Engine) -> Implicit<'a> {
+        Implicit { engine, tables: &self.tables }
+    }
 }
 
 /// Tabulate a scene.
@@ -97,62 +106,87 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
-    let bytes = memory(&tables, &goniometer);
-    if bytes > MAX_BYTES {
-        let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());
-        // Grey and rgb leave nothing to choose.
-        let (channels, fewer) = match tables.channels() {
-            channels if channels > 3 => (format!(" and {channels} channels"), " or take fewer wavelengths"),
-            _ => (String::new(), ""),
-        };
-        return Err(Error::Input(format!(
-            "{cells} incident cells with {exits} exit cells on each side{channels} take about {} MiB of memory, allowed: \
-             {} MiB; lower `incident` or `exit`{fewer}",
-            bytes.div_ceil(1 << 20),
-            MAX_BYTES >> 20
-        )));
-    }
+    check_memory(memory(&tables, &goniometer), tables.channels(), &goniometer)?;
     Ok(Prepared { specific_length, cloth, gathering, tables, goniometer })
 }
 
-/// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, the table as it is
-/// written, what the gpu engine holds of one batch (on the device, as last seen, and twice on the way), and the tables.
+/// Find the fibers of a scene, and set up the instrument.
+///
+/// # Errors
+/// Those of [`Explicit::new`]; [`Error::Input`] when the run would not fit into memory.
+pub fn prepare_explicit(scene: &Scene) -> Result<(Explicit, Goniometer)> {
+    let goniometer = Goniometer::new(&scene.measure);
+    let channels = Kind::channels(&Kind::of_scene(scene));
+    check_memory(result_memory(channels, &goniometer), channels.unwrap_or(1), &goniometer)?;
+    Ok((Explicit::new(scene)?, goniometer))
+}
+
+/// Refuse a run that takes too much memory.
+fn check_memory(bytes: usize, channels: usize, goniometer: &Goniometer) -> Result<()> {
+    if bytes <= MAX_BYTES {
+        return Ok(());
+    }
+    let (cells, exits) = (goniometer.starts(), goniometer.exit.cells());
+    // Grey and rgb leave nothing to choose.
+    let (channels, fewer) = match channels {
+        channels if channels > 3 => (format!(" and {channels} channels"), " or take fewer wavelengths"),
+        _ => (String::new(), ""),
+    };
+    Err(Error::Input(format!(
+        "{cells} incident cells with {exits} exit cells on each side{channels} take about {} MiB of memory, allowed: \
+         {} MiB; lower `incident` or `exit`{fewer}",
+        bytes.div_ceil(1 << 20),
+        MAX_BYTES >> 20
+    )))
+}
+
+/// Memory in bytes that the results of a run take at most: the tally and a part of it that is made, and the table as it is
+/// written.
+fn result_memory(channels: Option<usize>, goniometer: &Goniometer) -> usize {
+    let bins = goniometer.layout().stride() * goniometer.starts();
+    let tally = bins * size_of::<u64>() + moments(channels, goniometer) * size_of::<Moments>();
+    2 * tally + 2 * bins * channels.unwrap_or(1) * size_of::<f32>()
+}
+
+/// Sums of weights of a tally.
+fn moments(channels: Option<usize>, goniometer: &Goniometer) -> usize {
+    (2 * goniometer.layout().exit_cells + 1) * channels.unwrap_or_default() * goniometer.starts()
+}
+
+/// Memory in bytes that a run takes at most: its results, what the gpu engine holds of one batch (on the device, as last
+/// seen, and twice on the way), and the tables.
 pub fn memory(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
-    let (layout, starts) = (goniometer.layout(), goniometer.starts());
-    let bins = layout.stride() * starts;
-    let moments = if tables.absorbing() { (2 * layout.exit_cells + 1) * tables.channels() * starts } else { 0 };
-    let tally = bins * size_of::<u64>() + moments * size_of::<Moments>();
-    let written = 2 * bins * tables.channels() * size_of::<f32>();
-    let batch = (4 * (bins + 4 * moments)).min(128 << 20);
+    let channels = Kind::channels(&tables.kinds);
+    let bins = goniometer.layout().stride() * goniometer.starts();
+    let batch = (4 * (bins + 4 * moments(channels, goniometer))).min(128 << 20);
     // What the device reads of the tables is packed on the host first.
     let packed = 16 * (tables.patches.len() + tables.visible.as_ref().map_or(0, |visible| visible.nodes.len()));
     let cells = 16 * tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
-    2 * tally + written + 4 * batch + tables.bytes() + 2 * (packed + cells)
+    result_memory(channels, goniometer) + 4 * batch + tables.bytes() + 2 * (packed + cells)
 }
 
-/// Measure a prepared scene with a chosen engine until `stop` says that it is enough; `started` is when the work on it
+/// Send walks through a medium or through fibers until `stop` says that it is enough; `started` is when the work on them
 /// began.
 ///
 /// # Errors
-/// Those of [`Engine::run`].
+/// Those of [`Walker::run`].
 pub fn run(
-    prepared: &Prepared,
-    engine: &ChosenEngine,
+    walker: &dyn Walker,
+    goniometer: &Goniometer,
     seed: u64,
     stop: Stop,
     started: Instant,
     mut progress: Option<&mut dyn FnMut(Progress)>,
 ) -> Result<Measurement> {
-    let Prepared { tables, goniometer, .. } = prepared;
     let starts = goniometer.starts() as u64;
     let most = MAX_WALKS / starts;
     let begun = Instant::now();
     let mut next_look = begun + LOOK;
     let mut made = 0;
-    let mut tally = engine.run(tables, goniometer, &WalkPlan::new(seed, 0), &mut |_| {})?;
+    let mut tally = walker.run(goniometer, &WalkPlan::new(seed, 0), &mut |_| {})?;
     while let Some(next) = stop.next(&tally, made, begun, most) {
         let plan = WalkPlan { first: made, ..WalkPlan::new(seed, next - made) };
-        let part = engine.run(tables, goniometer, &plan, &mut |part| {
+        let part = walker.run(goniometer, &plan, &mut |part| {
             let Some(progress) = &mut progress else { return };
             let now = Instant::now();
             if now >= next_look {
@@ -174,7 +208,7 @@ pub fn run(
         walk: begun.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds })
+    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None })
 }
 
 /// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.

@@ -2,9 +2,9 @@
 
 use super::walk::{Blind, walk};
 use crate::error::Result;
-use crate::goniometer::{Counts, Coverage, Goniometer, Origin, Outcome, Tally, WEIGHT};
+use crate::goniometer::{Coverage, Goniometer, Origin, Tally};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, Purpose, WalkPlan, WalkRecord, draw, uniform};
+use crate::walk::{Engine, Score, WalkPlan};
 use rayon::prelude::*;
 
 /// Walks of one start made by one task.
@@ -45,67 +45,20 @@ impl Engine for Reference {
                 .map(|task| {
                     let (first, start) = (task / starts as u64 * TASK, (task % starts as u64) as usize);
                     let end = (first + TASK).min(plan.walks_per_incident);
-                    let score = |i| score(tables, goniometer, plan, start, plan.first + i);
-                    (start, (first..end).map(score).collect())
+                    let score = |i| {
+                        let walked = walk(tables, goniometer, plan, start, i, &mut Blind);
+                        Score::new(&walked, &tables.kinds, goniometer, plan.seed, start, i)
+                    };
+                    (start, (plan.first + first..plan.first + end).map(score).collect())
                 })
                 .collect();
             for (start, scores) in &scores {
-                scores.iter().for_each(|score| count(&mut tally, *start, score));
+                scores.iter().for_each(|score| score.add_to(&mut tally, *start));
             }
             progress(&tally);
         }
         tally.coverage = Coverage::new(origin, plan.walks());
         tally.check(plan.walks_per_incident)?;
         Ok(tally)
-    }
-}
-
-/// What one walk adds to the tally.
-struct Score {
-    record: WalkRecord,
-    base_exits: u32,
-    /// Fixed-point weights by channel; empty when fibers do not absorb or the walk met none.
-    weights: Vec<u16>,
-}
-
-/// Make one walk and round its weights, q = ⌊w·2ˢ + u⌋, without bias.
-fn score(tables: &SamplingTables, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Score {
-    let walked = walk(tables, goniometer, plan, start, i, &mut Blind);
-    let layout = goniometer.layout();
-    let bin = walked.record.bin as usize;
-    let ended = bin == layout.outcome(Outcome::Ended);
-    let mut weights = Vec::new();
-    if tables.absorbing() && (bin < 2 * layout.exit_cells || ended) {
-        let id = WalkPlan::walk_id(goniometer.starts(), i, start);
-        let u = uniform(draw(plan.seed, id, 0, Purpose::Exit)[0]);
-        let weight = |channel| if ended { 0.0 } else { walked.weight(tables, channel) };
-        weights = (0..tables.channels()).map(|channel| (weight(channel) * WEIGHT as f64 + u) as u16).collect();
-        if ended {
-            weights.fill(0);
-        }
-    }
-    Score { record: walked.record, base_exits: walked.base_exits, weights }
-}
-
-fn count(tally: &mut Tally, start: usize, score: &Score) {
-    let layout = tally.layout;
-    let bin = score.record.bin as usize;
-    tally.bins[start * layout.stride() + bin] += 1;
-    tally.counts += Counts {
-        launched: 1,
-        finished: 1,
-        tentative_events: u64::from(score.record.events),
-        collisions: u64::from(score.record.hits),
-        base_exits: u64::from(score.base_exits),
-    };
-    let Some(weights) = &mut tally.weights else { return };
-    let bins = 2 * layout.exit_cells + 1;
-    for (channel, &q) in score.weights.iter().enumerate() {
-        let q = u64::from(q);
-        let mut add = |bin: usize, q: u64| weights.moments[(start * bins + bin) * weights.channels + channel].add(q);
-        if bin < 2 * layout.exit_cells {
-            add(bin, q);
-        }
-        add(2 * layout.exit_cells, WEIGHT - q);
     }
 }

@@ -17,4 +17,4 @@ mod medium;
 mod walk;
 
 pub use engine::Reference;
-pub use walk::{Replay, Walked, replay};
+pub use walk::{Replay, replay};

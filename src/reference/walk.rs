@@ -7,10 +7,10 @@ use super::medium::draw_fiber;
 use crate::distribution::CellGrid;
 use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::{Encounter, Passage};
-use crate::scene::{MAX_KINDS, Side};
+use crate::scene::Side;
 use crate::tables::{Kind, SamplingTables};
 use crate::walk::{
-    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, draw, start_draws, start_place, uniform,
+    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform,
 };
 use glam::DVec3;
 
@@ -25,28 +25,6 @@ pub(super) struct Blind;
 
 impl Witness for Blind {
     fn decide(&mut self, _: impl FnOnce() -> f64) {}
-}
-
-/// A finished walk.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walked {
-    /// How it went.
-    pub record: WalkRecord,
-    /// Path length inside each kind of fiber, in mm.
-    pub lengths: [f64; MAX_KINDS],
-    /// Logarithm of the factor by which roulette has raised its weight.
-    pub log_gain: f64,
-    /// Hits whose light left through a base.
-    pub base_exits: u32,
-}
-
-impl Walked {
-    /// Share of its light that a walk still carries in a channel, exp(−Σ σ ℓ) times the gain, at most 1.
-    pub fn weight(&self, tables: &SamplingTables, channel: usize) -> f64 {
-        let depth = |(kind, length): (&Kind, &f64)| kind.absorption[channel] * length;
-        let depth: f64 = tables.kinds.iter().zip(&self.lengths).map(depth).sum();
-        (self.log_gain - depth).exp().min(1.0)
-    }
 }
 
 /// A walk and its nearest decision.
@@ -97,12 +75,7 @@ pub(super) fn walk(
     witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
     let mut flight = Flight::new(station);
     let roulette = plan.roulette && tables.absorbing();
-    let mut walked = Walked {
-        record: WalkRecord { bin: 0, events: 0, hits: 0 },
-        lengths: [0.0; MAX_KINDS],
-        log_gain: 0.0,
-        base_exits: 0,
-    };
+    let mut walked = Walked::default();
     let layout = goniometer.layout();
     for event in 0..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
@@ -178,8 +151,7 @@ fn scatter(
 /// Play Russian roulette with a walk whose brightest channel may have kept little: it goes on with the probability of
 /// what it kept, and then carries all of it.
 fn survive(walked: &mut Walked, tables: &SamplingTables, words: [u32; 4], witness: &mut impl Witness) -> bool {
-    let clearest = |(kind, length): (&Kind, &f64)| kind.clearest() * length;
-    let depth: f64 = tables.kinds.iter().zip(&walked.lengths).map(clearest).sum();
+    let depth = walked.clearest_depth(&tables.kinds);
     let kept = (walked.log_gain - depth).exp();
     witness.decide(|| kept - ROULETTE_BELOW);
     if kept >= ROULETTE_BELOW {

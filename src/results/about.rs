@@ -1,6 +1,6 @@
 //! What a tally is of.
 
-use super::provenance::{incident, weave};
+use super::provenance::{incident, model, weave};
 use crate::error::{Error, Result};
 use crate::goniometer::{DiscBasis, Goniometer, Incidence};
 use crate::scene::{Scene, Side};
@@ -38,7 +38,7 @@ impl About {
             version: env!("CARGO_PKG_VERSION").into(),
             cloth: scene.text.clone(),
             weave: weave(scene),
-            model: serde_json::to_value(scene.model).unwrap_or_default(),
+            model: model(scene),
             incident: incident(scene),
             exit: scene.measure.exit,
             sides: scene.measure.sides.clone(),

@@ -2,7 +2,7 @@
 
 use crate::goniometer::Run;
 use crate::measure::Measurement;
-use crate::scene::{Incident, Scene, Structure};
+use crate::scene::{Incident, Medium, Scene, Structure};
 use serde_json::{Value, json};
 
 /// The attribute that every part of an EXR file carries.
@@ -11,7 +11,7 @@ pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
     let mut value = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "cloth": scene.text,
-        "model": scene.model,
+        "model": model(scene),
         "incident": incident(scene),
         "exit": scene.measure.exit,
         "seed": origin.seed,
@@ -24,6 +24,15 @@ pub fn attribute(scene: &Scene, measurement: &Measurement) -> Value {
         value["weave"] = weave;
     }
     value
+}
+
+/// The settings that the medium goes by.
+pub fn model(scene: &Scene) -> Value {
+    let mut settings = json!(scene.model);
+    if let (Medium::Explicit, Some(settings)) = (scene.model.medium, settings.as_object_mut()) {
+        settings.retain(|key, _| ["medium", "packing", "length_over_radius"].contains(&key.as_str()));
+    }
+    settings
 }
 
 /// The repeat of a weave: its draft as the cloth file writes it, the yarns and the settings of its threads.

@@ -1,6 +1,6 @@
 //! `summary.json`.
 
-use super::provenance::{degrees, runs};
+use super::provenance::{degrees, model, runs};
 use crate::bsdf::{Component, Estimate, Totals, hemispherical, reciprocity, totals};
 use crate::measure::{Measurement, peak_bytes};
 use crate::scene::{Incident, Scene};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -34,7 +34,7 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         sides.insert(side.name().into(), json!({ "incident": incident, "hemispherical": hemispherical }));
     }
     let rate = |count: u64| count as f64 / seconds.walk;
-    let value = json!({
+    let mut value = json!({
         "name": scene.name,
         "engine": tally.origin().engine,
         "adapter": tally.origin().adapter,
@@ -48,11 +48,14 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "collisions_per_second": rate(tally.counts.collisions),
         "peak_bytes": peak_bytes(),
         "provenance": runs(measurement),
-        "model": scene.model,
+        "model": model(scene),
         "base_exits": tally.counts.base_exits,
         "checks": checks(scene, measurement),
         "sides": sides,
     });
+    if let Some(clustering) = clustering {
+        value["realizations"] = json!(clustering);
+    }
     format!("{value:#}\n")
 }
 

@@ -45,13 +45,39 @@ impl Placement {
     }
 }
 
+/// How the fibers of a realization are laid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Packing {
+    /// Independently of each other, so that they may overlap.
+    #[default]
+    Random,
+    /// Pushed apart until none runs into another.
+    Separate,
+}
+
+/// What the light goes through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Medium {
+    /// A statistical medium (the paper).
+    #[default]
+    Implicit,
+    /// The fibers themselves, in many realizations.
+    Explicit,
+}
+
 /// The model's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Model {
+    /// What the light goes through.
+    pub medium: Medium,
     /// How the next collision is drawn.
     pub tracking: Tracking,
     /// Where the next flight starts.
     pub placement: Placement,
+    /// How the fibers of a realization are laid.
+    pub packing: Packing,
     /// Cells of the direction grid, a square number.
     pub directions: u32,
     /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
@@ -66,13 +92,17 @@ pub struct Model {
 
 /// The cone of a cloth of yarns where the file does not say, in radians.
 const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
-const KEYS: [&str; 6] = ["tracking", "placement", "directions", "length_over_radius", "cells", "cone_deg"];
+const KEYS: [&str; 7] = ["tracking", "placement", "packing", "directions", "length_over_radius", "cells", "cone_deg"];
+/// The first ones, which a sheet has as well.
+const KEYS_OF_SHEETS: usize = 5;
 
 impl Default for Model {
     fn default() -> Model {
         Model {
+            medium: Medium::Implicit,
             tracking: Tracking::NullCollision,
             placement: Placement::AtHit,
+            packing: Packing::Random,
             directions: 1024,
             length_over_radius: f64::INFINITY,
             cells: None,
@@ -90,7 +120,7 @@ impl Model {
     pub(super) fn read(&mut self, table: &Table) -> Result<()> {
         let of_yarns = self.cone.is_some();
         let elsewhere = "belongs to a [weave] or a [knit]; leave it out";
-        let (known, planned) = if of_yarns { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(4) };
+        let (known, planned) = if of_yarns { KEYS.split_at(KEYS.len()) } else { KEYS.split_at(KEYS_OF_SHEETS) };
         table.expect_keys(known, &planned.iter().map(|key| (*key, elsewhere)).collect::<Vec<_>>())?;
         for key in known {
             if let Some(value) = table.get(key) {
@@ -115,8 +145,8 @@ impl Model {
         })
     }
 
-    /// Replace one setting by a flag's text: `tracking`, `placement`, `directions`, `cells` (such as `24x24x8`) or `cone`
-    /// (in degrees), written as in the file or as a bare word.
+    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `directions`, `cells` (such as `24x24x8`)
+    /// or `cone` (in degrees), written as in the file or as a bare word.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) naming the flag, what was found and what is allowed.
@@ -138,6 +168,9 @@ impl Model {
                 self.tracking = value.choice(&words, &[])?;
             }
             "placement" => self.placement = value.choice(&PLACEMENTS, &[])?,
+            "packing" => {
+                self.packing = value.choice(&[("random", Packing::Random), ("separate", Packing::Separate)], &[])?;
+            }
             "directions" => self.directions = read_directions(value)?,
             "cells" => self.cells = Some(read_cells(value)?),
             "cone_deg" | "cone" => self.cone = Some(value.number(Allowed::from(0.0, 90.0))?.to_radians()),

@@ -12,11 +12,13 @@
 mod alias;
 mod blocks;
 mod carry;
+mod kind;
 mod sampling;
 mod visible;
 
 pub use alias::AliasTable;
 pub use blocks::Reach;
 pub use carry::Carry;
-pub use sampling::{CellEntry, Cells, Kind, List, SamplingTables};
+pub use kind::Kind;
+pub use sampling::{CellEntry, Cells, List, SamplingTables};
 pub use visible::VisibleArea;

@@ -3,6 +3,7 @@
 use super::alias::AliasTable;
 use super::blocks::{Reach, reaches};
 use super::carry::{Carry, rates};
+use super::kind::Kind;
 use super::visible::VisibleArea;
 use crate::concentric::Patch;
 use crate::distribution::{Bundle, CellGrid, SpecificLength, surface};
@@ -11,24 +12,6 @@ use crate::scene::{Scene, Tracking};
 
 /// Most cells, and most entries of all lists together: their numbers are exact in f32 and fit into 24 bits.
 pub(super) const MOST: usize = 1 << 23;
-
-/// A kind of fiber, as the engines see it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
-    /// Radius in mm.
-    pub radius: f64,
-    /// Refractive index, real.
-    pub ior: f64,
-    /// Absorption in 1/mm by channel.
-    pub absorption: Vec<f64>,
-}
-
-impl Kind {
-    /// The least absorption of any channel, in 1/mm.
-    pub fn clearest(&self) -> f64 {
-        self.absorption.iter().copied().fold(f64::INFINITY, f64::min)
-    }
-}
 
 /// The bundles of a list: entries `first` to `first + 2ᵏ − 1` of all, and how they are drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,15 +78,7 @@ impl SamplingTables {
     /// [`Error::Input`] when the cells do not fit their grid or hold numbers that are not densities, when there is no fiber
     /// at all, or when there are more cells or entries than engines can number.
     pub fn new(scene: &Scene, specific_length: &SpecificLength) -> Result<SamplingTables> {
-        let used = scene.kinds();
-        let kinds: Vec<Kind> = used
-            .iter()
-            .zip(&scene.channels.absorption)
-            .map(|(&kind, absorption)| {
-                let fiber = &scene.fibers[kind];
-                Kind { radius: fiber.radius, ior: fiber.ior, absorption: absorption.clone() }
-            })
-            .collect();
+        let (used, kinds) = (scene.kinds(), Kind::of_scene(scene));
         let place = |kind: usize| used.iter().position(|&known| known == kind).unwrap_or_default();
         let SpecificLength { cells, values, lists, grid, .. } = specific_length;
         check(specific_length)?;
@@ -196,12 +171,12 @@ impl SamplingTables {
 
     /// Channels that have to be told apart: one when no fiber absorbs.
     pub fn channels(&self) -> usize {
-        if self.absorbing() { self.kinds[0].absorption.len() } else { 1 }
+        Kind::channels(&self.kinds).unwrap_or(1)
     }
 
     /// Whether any fiber absorbs in any channel.
     pub fn absorbing(&self) -> bool {
-        self.kinds.iter().flat_map(|kind| &kind.absorption).any(|sigma| *sigma > 0.0)
+        Kind::channels(&self.kinds).is_some()
     }
 }
 

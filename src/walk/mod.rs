@@ -8,7 +8,11 @@
 mod draws;
 mod plan;
 mod rng;
+mod score;
 
 pub use draws::{EventDraws, start_draws, start_place, uniform};
-pub use plan::{Engine, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord};
+pub use plan::{
+    Engine, Implicit, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, Walker,
+};
 pub use rng::{Purpose, draw, threefry};
+pub use score::{Score, Walked};

@@ -61,7 +61,7 @@ impl WalkPlan {
 }
 
 /// How one walk went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WalkRecord {
     /// The bin in which it was counted, in the order of [`BinLayout`](crate::goniometer::BinLayout).
     pub bin: u32,
@@ -87,4 +87,28 @@ pub trait Engine {
         plan: &WalkPlan,
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally>;
+}
+
+/// Something that sends the walks of a plan through one cloth.
+pub trait Walker {
+    /// Make the walks of a plan and count them, as [`Engine::run`] does.
+    ///
+    /// # Errors
+    /// Those of [`Engine::run`].
+    fn run(&self, goniometer: &Goniometer, plan: &WalkPlan, progress: &mut dyn FnMut(&Tally)) -> Result<Tally>;
+}
+
+/// An engine and the tables of a medium.
+#[derive(Clone, Copy)]
+pub struct Implicit<'a> {
+    /// Who makes the walks.
+    pub engine: &'a dyn Engine,
+    /// What they go through.
+    pub tables: &'a SamplingTables,
+}
+
+impl Walker for Implicit<'_> {
+    fn run(&self, goniometer: &Goniometer, plan: &WalkPlan, progress: &mut dyn FnMut(&Tally)) -> Result<Tally> {
+        self.engine.run(self.tables, goniometer, plan, progress)
+    }
 }

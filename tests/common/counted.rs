@@ -2,7 +2,7 @@
 
 use super::SplitMix;
 use super::stats::mean_error;
-use fiberwalk::cloth::{Cloth, Primitive};
+use fiberwalk::cloth::{Cloth, Curve, Primitive, Realization};
 use fiberwalk::distribution::{CellGrid, Effort, Element, SpecificLength, surface};
 use fiberwalk::scene::Model;
 use glam::{DVec2, DVec3};
@@ -48,8 +48,9 @@ impl<'a> Counted<'a> {
     }
 
     pub fn try_count(&self, effort: Effort) -> fiberwalk::Result<SpecificLength> {
-        let Counted { cells, list_width, radii, realize, .. } = self;
-        let element = Element { cells: *cells, list_width: *list_width, radii, realize };
+        let Counted { cells, list_width, radii, .. } = self;
+        let realize = |number| Ok(realization(&(self.realize)(number), cells));
+        let element = Element { cells: *cells, list_width: *list_width, radii, realize: &realize };
         let cone = Some(self.cone_deg.to_radians());
         let model = Model { directions: self.directions, cone, ..Model::default() };
         SpecificLength::of_pieces(&element, &model, effort, |_| {}).map(|(length, _)| length)
@@ -91,6 +92,16 @@ impl<'a> Counted<'a> {
         }
         lengths
     }
+}
+
+/// Pieces as fibers, each of its own.
+pub fn realization(pieces: &[Primitive], cells: &CellGrid) -> Realization {
+    let fiber = |piece: &Primitive| {
+        let half = piece.direction * (piece.length / 2.0);
+        let points = vec![piece.centre - half, piece.centre + half];
+        Curve { points, radius: piece.radius, kind: piece.kind, thread: piece.thread, hair: false }
+    };
+    Realization { fibers: pieces.iter().map(fiber).collect(), period: cells.period, thickness: cells.thickness }
 }
 
 /// z of the squared distance of the means of two sets of independent vectors: the mean of (aᵢ − bᵢ)·(aⱼ − bⱼ) over i < j is

@@ -1,0 +1,93 @@
+//! What is going to be measured, and how.
+
+use super::super::show::grouped;
+use fiberwalk::distribution::{Gathering, SpecificLength};
+use fiberwalk::explicit::{Clustering, Explicit};
+use fiberwalk::goniometer::Goniometer;
+use fiberwalk::measure::{ChosenEngine, Prepared, Stop};
+use fiberwalk::scene::{Packing, Scene, Structure};
+
+/// The medium, and what sends walks through it.
+pub fn of_medium(scene: &Scene, prepared: &Prepared, engine: &ChosenEngine) -> Vec<String> {
+    let depth = prepared.tables.depth();
+    let mut lines = Vec::new();
+    if let Some(gathering) = &prepared.gathering {
+        lines.extend(woven(prepared, gathering));
+    }
+    if let Structure::Sheet(sheet) = &scene.structure {
+        let mass = sheet.areal_mass(&scene.fibers).map(|mass| format!(", {mass:.0} g/m²")).unwrap_or_default();
+        let fraction = sheet.volume_fraction(&scene.fibers);
+        lines.push(format!("medium: optical depth at most {depth:.1}, fibers fill {fraction:.3}{mass}"));
+    }
+    if prepared.specific_length.spread_error > 0.0 {
+        lines.push(format!(
+            "directions: a grid of {} smears the spread bundles; the largest error of H found is {:.2} %",
+            scene.model.directions,
+            100.0 * prepared.specific_length.spread_error
+        ));
+    }
+    if let Some(visible) = &prepared.tables.visible {
+        let (n, percent) = (visible.n, 100.0 * visible.error);
+        lines
+            .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
+    }
+    lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
+    lines
+}
+
+/// The cells of a woven cloth.
+fn woven(prepared: &Prepared, gathering: &Gathering) -> Vec<String> {
+    let SpecificLength { cells, lists, .. } = &prepared.specific_length;
+    let [nx, ny, nz] = cells.counts;
+    let Gathering { realizations, error, volume_fraction, largest_fraction, filled, .. } = gathering;
+    let mut lines = vec![
+        format!(
+            "cells: {nx} × {ny} × {nz}, {} of {} hold fiber, which fills {volume_fraction:.3} of the cloth and at most \
+             {largest_fraction:.2} of a cell; {} lists of directions",
+            grouped(*filled as u64),
+            grouped(cells.len() as u64),
+            grouped(lists.len() as u64)
+        ),
+        format!("counted: {realizations} realizations, standard error of the densities {:.1} %", 100.0 * error),
+    ];
+    lines.extend(gathering.warning().map(|warning| format!("warning: {warning}")));
+    lines
+}
+
+/// The fibers, and what sends walks through them.
+pub fn of_fibers(scene: &Scene, explicit: &Explicit, goniometer: &Goniometer) -> Vec<String> {
+    let [pieces, grid] = explicit.bytes().map(|bytes| bytes as f64 / f64::from(1 << 20));
+    let packing = match scene.model.packing {
+        Packing::Random => "laid at random, so they may overlap",
+        Packing::Separate => "moved apart, so they do not overlap",
+    };
+    let walks = explicit.walks_of_start(goniometer.starts());
+    vec![
+        format!(
+            "fibers: {} straight pieces in a realization, {packing}; {pieces:.1} MiB and {grid:.1} MiB for the grid that finds \
+             them, for each thread",
+            grouped(explicit.pieces() as u64)
+        ),
+        format!("realizations: a fresh one after {walks} walks of each incident cell"),
+        format!("engine: cpu on {}; the explicit model has no other", explicit.adapter()),
+    ]
+}
+
+/// Until when.
+pub fn of_stop(stop: Stop, explicit: bool) -> Option<String> {
+    let Stop::Tolerance(tolerance) = stop else { return None };
+    let percent = (1e8 * tolerance).round() / 1e6;
+    let rest = if explicit { "" } else { "; the model's error is not in it" };
+    Some(format!("stop: at a noise of {percent} % of the scattered light{rest}"))
+}
+
+/// How much the walks of one realization resemble each other.
+pub fn of_clustering(clustering: &Clustering) -> String {
+    let Clustering { realizations, reflectance, transmittance, direct } = clustering;
+    let factors = [reflectance, transmittance, direct].map(|factor| factor.max(1.0).sqrt());
+    let [reflected, transmitted, direct] = factors;
+    format!(
+        "{realizations} realizations; errors of hemispherical means take walks as independent, those of one realization are \
+         not: they are {reflected:.1} (reflected), {transmitted:.1} (transmitted), {direct:.1} (direct) times as large\n"
+    )
+}

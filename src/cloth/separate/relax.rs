@@ -1,0 +1,143 @@
+//! Sweeps that push pieces apart.
+
+use super::chains::Chains;
+use super::contact::{closest, meet};
+use super::neighbours::{Neighbour, Neighbours};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Distance that is aimed at, in sums of the radii.
+const ROOM: f64 = 1.02;
+/// Share of what is asked for that a corner goes in a step.
+const STEP: f64 = 1.5;
+/// Share of its last step that it goes besides.
+const KEPT: f64 = 0.5;
+/// Least weight of what a corner is asked for: what hardly concerns it moves it little.
+const LEAST_WEIGHT: f64 = 0.5;
+/// Sweeps with the same lists at least.
+const SAME_LISTS: u32 = 6;
+/// Ends that face each other do not touch so near to them, in radii.
+const END: f64 = 2.0;
+/// Pieces that are worth a task of their own.
+const TASK: usize = 256;
+
+/// What all contacts of a piece ask of its two corners.
+#[derive(Clone, Copy, Default)]
+struct Push {
+    way: [DVec3; 2],
+    weight: [f64; 2],
+    /// Deepest overlap over the sum of the radii.
+    depth: f64,
+}
+
+/// Push pieces apart until none runs deeper into another than the tolerance, in sums of their radii, or the sweeps are used
+/// up; how many were made and what is left.
+pub fn relax(chains: &mut Chains, tolerance: f64, most: u32) -> (u32, f64) {
+    let mut steps = vec![DVec3::ZERO; chains.len()];
+    let mut neighbours = Neighbours::new(chains);
+    let (mut moved, mut since) = (0.0, 0);
+    for sweep in 0..most {
+        if moved > neighbours.reach && since >= SAME_LISTS {
+            chains.measure();
+            neighbours = Neighbours::new(chains);
+            (moved, since) = (0.0, 0);
+        }
+        let pushes: Vec<Push> = each(chains, |piece| push(chains, piece, neighbours.of(piece)));
+        if pushes.iter().all(|push| push.depth <= tolerance) {
+            chains.measure();
+            neighbours = Neighbours::new(chains);
+            (moved, since) = (0.0, 0);
+            let depth = deepest(chains, &neighbours);
+            if depth <= tolerance {
+                return (sweep, depth);
+            }
+        }
+        moved += step(chains, &pushes, &mut steps);
+        since += 1;
+    }
+    chains.measure();
+    (most, deepest(chains, &Neighbours::new(chains)))
+}
+
+/// Move all corners; the longest way of any.
+fn step(chains: &mut Chains, pushes: &[Push], steps: &mut Vec<DVec3>) -> f64 {
+    let asked: Vec<DVec3> = each(chains, |corner| {
+        let (mut way, mut weight) = (pushes[corner].way[0], pushes[corner].weight[0]);
+        if corner > 0 {
+            way += pushes[corner - 1].way[1];
+            weight += pushes[corner - 1].weight[1];
+        }
+        way * (STEP / weight.max(LEAST_WEIGHT))
+    });
+    let moves: Vec<[DVec3; 2]> = each(chains, |corner| {
+        // Spread it along the fiber.
+        let before = if corner > 0 && chains.starts(corner - 1) { asked[corner - 1] } else { asked[corner] };
+        let after = if chains.starts(corner) { asked[corner + 1] } else { asked[corner] };
+        let spread = (before + asked[corner] * 2.0 + after) / 4.0;
+        let to = chains.moved(corner, steps[corner] * KEPT + spread);
+        [to, to - chains.points[corner]]
+    });
+    chains.points = moves.iter().map(|[to, _]| *to).collect();
+    *steps = moves.iter().map(|[_, way]| *way).collect();
+    steps.iter().map(|way| way.length_squared()).fold(0.0, f64::max).sqrt()
+}
+
+/// Something for each corner, in their order.
+fn each<T: Send>(chains: &Chains, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..chains.len()).into_par_iter().with_min_len(TASK).map(of).collect()
+}
+
+fn push(chains: &Chains, piece: usize, neighbours: &[Neighbour]) -> Push {
+    let mut push = Push::default();
+    for neighbour in neighbours {
+        let other = neighbour.piece as usize;
+        let [own, ends] = [chains.ends(piece), neighbour.ends(chains)];
+        let found = meet(own, ends);
+        let touching = chains.radius_at(piece) + chains.radius_at(other);
+        let wanted = touching * ROOM;
+        let square = found.apart.length_squared();
+        if square >= wanted * wanted || cut(chains, [piece, other], found.shares) {
+            continue;
+        }
+        let distance = square.sqrt();
+        push.depth = push.depth.max(1.0 - distance / touching);
+        let normal = if distance > 1e-6 * touching {
+            found.apart / distance
+        } else {
+            // Let axes that meet go to opposite sides.
+            let [first, second] = if piece < other { [own, ends] } else { [ends, own] };
+            let (along, across) = (first[1] - first[0], second[1] - second[0]);
+            let side = along.cross(across).try_normalize().unwrap_or(along.any_orthonormal_vector());
+            if piece < other { side } else { -side }
+        };
+        let way = normal * ((wanted - distance) / 2.0);
+        for (end, share) in [1.0 - found.shares[0], found.shares[0]].into_iter().enumerate() {
+            push.way[end] += way * share;
+            push.weight[end] += share;
+        }
+    }
+    push
+}
+
+/// Whether points of two pieces lie near ends that face each other, as where a thread is cut.
+fn cut(chains: &Chains, pieces: [usize; 2], shares: [f64; 2]) -> bool {
+    let near = |index: usize| {
+        let (left, out) = chains.end_of(pieces[index], shares[index]);
+        (left <= END * chains.radius_at(pieces[index])).then_some(out)
+    };
+    near(0).is_some_and(|out| near(1).is_some_and(|other| out.dot(other) < 0.0))
+}
+
+/// Deepest overlap of any two pieces over the sum of their radii.
+fn deepest(chains: &Chains, neighbours: &Neighbours) -> f64 {
+    let of = |piece: usize| {
+        let depth = |neighbour: &Neighbour| {
+            let other = neighbour.piece as usize;
+            let found = closest(chains.ends(piece), neighbour.ends(chains));
+            let touching = chains.radius_at(piece) + chains.radius_at(other);
+            if cut(chains, [piece, other], found.shares) { 0.0 } else { 1.0 - found.apart.length() / touching }
+        };
+        neighbours.of(piece).iter().map(depth).fold(0.0, f64::max)
+    };
+    each(chains, of).into_iter().fold(0.0, f64::max)
+}

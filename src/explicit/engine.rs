@@ -1,0 +1,128 @@
+//! All walks of a plan, realization by realization, on all cores.
+
+use super::clustering::{Clustering, Fates};
+use super::walk::{Bodies, walk};
+use crate::cloth::{FiberGrid, Realizer};
+use crate::error::Result;
+use crate::goniometer::{Coverage, Goniometer, Origin, Tally};
+use crate::scene::Scene;
+use crate::tables::Kind;
+use crate::walk::{Score, WalkPlan, Walker};
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// Fewest walks through one realization, all starts together.
+const FEWEST_WALKS: usize = 4096;
+/// Bytes of a realization that are worth one more walk through it.
+const BYTES_PER_WALK: usize = 256;
+
+/// The fibers of a cloth, as light meets them.
+pub struct Explicit {
+    realizer: Realizer,
+    kinds: Vec<Kind>,
+    places: Vec<usize>,
+    half_length: f64,
+    walks_per_realization: usize,
+    bytes: [usize; 2],
+    pieces: usize,
+    fates: Mutex<Vec<Fates>>,
+}
+
+impl Explicit {
+    /// The fibers of a scene.
+    ///
+    /// # Errors
+    /// [`Error::Input`](crate::Error::Input) when the cloth cannot be laid out, its fibers cannot be separate though they are
+    /// to be, or there are too many.
+    pub fn new(scene: &Scene) -> Result<Explicit> {
+        let realizer = Realizer::new(scene, scene.model.packing)?;
+        let first = draw(&realizer, 0)?;
+        let used = scene.kinds();
+        let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
+        let pieces = first.tubes().len();
+        Ok(Explicit {
+            realizer,
+            kinds: Kind::of_scene(scene),
+            places: (0..scene.fibers.len()).map(place).collect(),
+            half_length: scene.model.length_over_radius / 2.0,
+            walks_per_realization: FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK),
+            bytes: first.bytes(),
+            pieces,
+            fates: Mutex::new(Vec::new()),
+        })
+    }
+
+    /// Memory of one realization in bytes: its pieces of fibers, and the grid that finds them. There is one for each thread.
+    pub fn bytes(&self) -> [usize; 2] {
+        self.bytes
+    }
+
+    /// Pieces of fibers of a realization.
+    pub fn pieces(&self) -> usize {
+        self.pieces
+    }
+
+    /// On what it runs.
+    pub fn adapter(&self) -> String {
+        format!("{} threads, f64", rayon::current_num_threads())
+    }
+
+    /// Walks of each start through one realization: walk i goes through realization ⌊i / this⌋.
+    pub fn walks_of_start(&self, starts: usize) -> u64 {
+        (self.walks_per_realization / starts).max(1) as u64
+    }
+
+    /// How much the walks of one realization resemble each other, from all runs so far that `tally` holds.
+    pub fn clustering(&self, tally: &Tally) -> Option<Clustering> {
+        let fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        Clustering::new(&fates, tally)
+    }
+
+    /// The walks of a plan that go through one realization, each with its start.
+    fn walk_through(&self, goniometer: &Goniometer, plan: &WalkPlan, number: u64) -> Result<Vec<(usize, Score)>> {
+        let grid = draw(&self.realizer, number)?;
+        let bodies = Bodies { grid: &grid, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
+        let each = self.walks_of_start(goniometer.starts());
+        let walks = plan.walks();
+        let own = walks.start.max(number * each)..walks.end.min((number + 1) * each);
+        let score = |start, i| {
+            let walked = walk(&bodies, goniometer, plan, start, i);
+            (start, Score::new(&walked, &self.kinds, goniometer, plan.seed, start, i))
+        };
+        Ok((0..goniometer.starts())
+            .flat_map(|start| own.clone().map(move |i| (start, i)))
+            .map(|(start, i)| score(start, i))
+            .collect())
+    }
+}
+
+fn draw(realizer: &Realizer, number: u64) -> Result<FiberGrid> {
+    let realization = realizer.draw(number)?;
+    FiberGrid::new(&realization.fibers, realization.period)
+}
+
+impl Walker for Explicit {
+    fn run(&self, goniometer: &Goniometer, plan: &WalkPlan, progress: &mut dyn FnMut(&Tally)) -> Result<Tally> {
+        let origin = Origin { engine: "cpu".into(), adapter: "f64".into(), seed: plan.seed };
+        let starts = goniometer.starts();
+        let each = self.walks_of_start(starts);
+        let walks = plan.walks();
+        let realizations: Vec<u64> =
+            if walks.is_empty() { vec![] } else { (walks.start / each..=(walks.end - 1) / each).collect() };
+        let mut tally = Tally::new(origin.clone(), goniometer.layout(), starts, Kind::channels(&self.kinds));
+        for some in realizations.chunks(rayon::current_num_threads()) {
+            let parts: Vec<Vec<(usize, Score)>> =
+                some.par_iter().map(|&number| self.walk_through(goniometer, plan, number)).collect::<Result<_>>()?;
+            let mut fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            for scores in &parts {
+                scores.iter().for_each(|(start, score)| score.add_to(&mut tally, *start));
+                fates.push(Fates::of(tally.layout, scores.iter().map(|(_, score)| score.bin())));
+            }
+            drop(fates);
+            progress(&tally);
+        }
+        tally.coverage = Coverage::new(origin, walks);
+        tally.check(plan.walks_per_incident)?;
+        Ok(tally)
+    }
+}

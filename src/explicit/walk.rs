@@ -1,0 +1,82 @@
+//! One walk through the fibers of a realization.
+
+use crate::cloth::{FiberGrid, Way, Work};
+use crate::goniometer::{Goniometer, Outcome};
+use crate::optics::Encounter;
+use crate::tables::Kind;
+use crate::walk::{
+    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform,
+};
+
+/// What light meets.
+#[derive(Clone, Copy)]
+pub struct Bodies<'a> {
+    /// The fibers of a realization.
+    pub grid: &'a FiberGrid,
+    /// Kinds of fiber.
+    pub kinds: &'a [Kind],
+    /// Of each kind of the scene, its place in `kinds`.
+    pub places: &'a [usize],
+    /// Half the length of the approximating cylinder in radii; infinite for no bases.
+    pub half_length: f64,
+}
+
+/// Walk number `i` of a start through one realization, until the light leaves it or is given up. Its events are the pieces
+/// that were tested.
+pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Walked {
+    let Bodies { grid, kinds, places, half_length } = bodies;
+    let id = WalkPlan::walk_id(goniometer.starts(), i, start);
+    let lit = goniometer.side(start);
+    let words = draw(plan.seed, id, 0, Purpose::Start);
+    let mut m = -goniometer.start_direction(start, start_draws(words));
+    let [low, high] = grid.span();
+    let mut place = (start_place(words) * grid.period()).extend(if m.z < 0.0 { high } else { low });
+    let mut left = None;
+    let roulette = plan.roulette && Kind::channels(kinds).is_some();
+    let layout = goniometer.layout();
+    let (mut walked, mut work) = (Walked::default(), Work::default());
+    for hit in 0..plan.max_events {
+        let way = grid.first_entry(place, m, left, &mut work);
+        walked.record.events = work.tests.min(u64::from(u32::MAX)) as u32;
+        let (tube, point, offset) = match way {
+            Way::Fiber { tube, point, meeting } => (tube, point, meeting.offset),
+            Way::Out => {
+                walked.record.bin = goniometer.exit_bin(lit, m, walked.record.hits > 0) as u32;
+                return walked;
+            }
+            Way::Endless => break,
+        };
+        // Send the light through the fiber there, and on from where it leaves.
+        let draws = EventDraws::new(draw(plan.seed, id, hit, Purpose::Event));
+        let piece = &grid.tubes()[tube];
+        let kind = places[piece.kind()];
+        let passage = Encounter::new(m, piece.direction(), offset, kinds[kind].ior).pass(draws.accept, *half_length);
+        m = passage.direction.normalize();
+        place = point + passage.displacement * piece.radius();
+        left = Some(tube);
+        walked.lengths[kind] += passage.path * piece.radius();
+        walked.base_exits += u32::from(passage.through_base);
+        walked.record.hits += 1;
+        if roulette && (hit + 1) % ROULETTE_EVERY == 0 {
+            let number = uniform(draw(plan.seed, id, hit / ROULETTE_EVERY, Purpose::Roulette)[0]);
+            if !survive(&mut walked, kinds, number) {
+                walked.record.bin = layout.outcome(Outcome::Ended) as u32;
+                return walked;
+            }
+        }
+    }
+    walked.record.bin = layout.outcome(Outcome::Lost) as u32;
+    walked
+}
+
+/// Play Russian roulette with a walk whose brightest channel may have kept little: it goes on with the probability of
+/// what it kept, and then carries all of it.
+fn survive(walked: &mut Walked, kinds: &[Kind], number: f64) -> bool {
+    let depth = walked.clearest_depth(kinds);
+    let kept = (walked.log_gain - depth).exp();
+    if kept >= ROULETTE_BELOW {
+        return true;
+    }
+    walked.log_gain = depth;
+    number < kept
+}

@@ -3,8 +3,8 @@
 //!
 //! Isotropic fibers of index 1.5 at optical depths H·d = 0.5, 4 and 32 (H is the true total specific visible area, not
 //! the majorant, which is 4/π of it), 1024 directions, 64 incident cells. The variants leave out jitter, let walks start in
-//! the middle of their incident cells instead of at random, read directions from a texture, track by a table of H(m), dye
-//! the fibers in three channels, and give them ends. The weaves are grids of cells, open and dense. Each figure is the median
+//! the middle of their incident cells instead of at random, read directions from a texture, track by a table of H(m), carry
+//! light through the fibers, dye them in three channels, and give them ends. The weaves are grids of cells, open and dense. Each figure is the median
 //! over the rounds, with the smallest and the largest.
 
 mod weaves;
@@ -14,8 +14,8 @@ use fiberwalk::distribution::DirectionGrid;
 use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
-use fiberwalk::scene::Side;
-use fiberwalk::tables::{AliasTable, Kind, List, SamplingTables, VisibleArea};
+use fiberwalk::scene::{Placement, Side};
+use fiberwalk::tables::{AliasTable, Carry, Kind, List, SamplingTables, VisibleArea};
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -93,6 +93,7 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
         cases.push(Case { jitter: false, disc: false, ..variant("neither") });
         cases.push(Case { texture: true, ..variant("in a texture") });
         cases.push(Case { tables: Rc::new(with_table(&tables)), ..variant("tabulated") });
+        cases.push(Case { tables: Rc::new(carried(&tables)), ..variant("carried") });
         cases.push(Case { tables: Rc::new(dyed(&tables)), ..variant("dyed, 3 channels") });
         cases.push(Case { tables: Rc::new(short(&tables)), ..variant("fibers with ends") });
     }
@@ -103,6 +104,11 @@ fn cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
 fn dyed(tables: &SamplingTables) -> SamplingTables {
     let kind = Kind { absorption: vec![0.0, 20.0, 120.0], ..tables.kinds[0].clone() };
     SamplingTables { kinds: vec![kind], ..tables.clone() }
+}
+
+/// The same fibers, from whose surfaces flights start.
+fn carried(tables: &SamplingTables) -> SamplingTables {
+    SamplingTables { carry: Some(Carry { radius: tables.kinds[0].radius, factors: false }), ..tables.clone() }
 }
 
 /// The same fibers, cut to 20 radii.
@@ -118,7 +124,7 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     for (name, weave, walks) in
         [("voile", weaves::VOILE, 4_000_000), ("coarse voile", coarse, 4_000_000), ("denim", weaves::DENIM, 1_000_000)]
     {
-        let tables = Rc::new(weave.tables());
+        let tables = Rc::new(weave.tables(Placement::AtHit));
         if let Some(cells) = &tables.cells {
             let empty =
                 cells.entries.iter().filter(|cell| cell.share == 0.0).count() as f64 / cells.entries.len() as f64;
@@ -133,6 +139,15 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
         cases.push(case("cpu", None, walks / 8));
         let Some(gpu) = gpu else { continue };
         cases.push(case("gpu", Some(gpu), walks));
+        let placements = [
+            ("carried", Placement::Carried),
+            ("carried-dense", Placement::CarriedDense),
+            ("carried-void", Placement::CarriedVoid),
+        ];
+        for (word, placement) in placements {
+            let (name, tables) = (format!("gpu, {name}, {word}"), Rc::new(weave.tables(placement)));
+            cases.push(Case { name, tables, ..case("", Some(gpu), walks) });
+        }
         let name_of_table = format!("gpu, {name}, tabulated");
         let tabulated = Rc::new(with_table(&tables));
         cases.push(Case { name: name_of_table, tables: tabulated, ..case("", Some(gpu), walks) });

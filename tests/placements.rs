@@ -12,6 +12,7 @@ use fiberwalk::goniometer::{Goniometer, Tally};
 use fiberwalk::gpu::{Probe, ProbeInput};
 use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::optics::Encounter;
+use fiberwalk::scene::{Scene, Source};
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec3;
@@ -312,6 +313,16 @@ fn dyed() -> Cloth {
     .lit_from("[[20, 30], [70, 200]]")
 }
 
+/// The preset voile in coarse cells.
+fn voile(placement: &str) -> (SamplingTables, Goniometer) {
+    let mut scene = Scene::parse(&Source::find("voile").expect("voile is a preset")).expect("the preset is fine");
+    scene.model.set_from_flag("cells", "12x12x6").expect("the flag is fine");
+    scene.model.set_from_flag("placement", placement).expect("the flag is fine");
+    scene.measure.set_from_flag("incident", "[[15, 30], [65, -50]]").expect("the flag is fine");
+    let Prepared { tables, goniometer, .. } = prepare(&scene).unwrap_or_else(|error| panic!("{error}"));
+    (tables, goniometer)
+}
+
 #[test]
 fn both_engines_give_the_same_light() {
     for (i, placement) in (0..).zip(CARRIED) {
@@ -319,9 +330,12 @@ fn both_engines_give_the_same_light() {
         let cells = random_cells(5);
         let factors = cells.cells.iter().map(|_| 1.0 + random.uniform()).collect();
         let cells = CellCloth { base: cells.base.placed(placement), factors, ..cells };
-        for (what, setup, factor) in
-            [("dyed sheet", setup(&dyed().placed(placement)), 1.06), ("cells", cells.prepare(), 1.12)]
-        {
+        let cases = [
+            ("dyed sheet", setup(&dyed().placed(placement)), 1.06),
+            ("cells", cells.prepare(), 1.12),
+            ("voile", voile(placement), 1.2),
+        ];
+        for (what, setup, factor) in cases {
             let cpu = track("cpu", engines()[1].1, &setup, 70 + i, 100_000);
             let bent = SamplingTables { majorant: factor * setup.0.majorant, ..setup.0.clone() };
             for (factor, setup, seed) in [(1.0, setup.clone(), 80 + i), (factor, (bent, setup.1.clone()), 90 + i)] {

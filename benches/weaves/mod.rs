@@ -1,7 +1,7 @@
 //! Cells like those of real cloths: yarns of elliptic section on sine waves, an open plain weave and a dense twill.
 
 use fiberwalk::distribution::{Cell, CellGrid, DirectionGrid, SpecificLength};
-use fiberwalk::scene::{Orientation, Scene, Sheet, SheetFibers, Source};
+use fiberwalk::scene::{Orientation, Placement, Scene, Sheet, SheetFibers, Source};
 use fiberwalk::tables::SamplingTables;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -70,7 +70,7 @@ impl Weave {
     }
 
     /// Cut into cells, with a list for each yarn system and slope.
-    pub fn tables(&self) -> SamplingTables {
+    pub fn tables(&self, placement: Placement) -> SamplingTables {
         let thickness = 2.0 * (self.height + self.half[1]);
         let period = DVec2::splat(self.spacing * self.draft.len() as f64);
         let cells = CellGrid { counts: self.counts, period, thickness };
@@ -87,7 +87,9 @@ impl Weave {
         }
         let values = cells.places().map(|place| self.cell(&cells, place)).collect();
         let specific_length = SpecificLength { grid, cells, values, lists, spread_error: 0.0 };
-        SamplingTables::new(&scene(), &specific_length).unwrap_or_else(|error| panic!("{error}"))
+        let mut scene = scene();
+        scene.model.placement = placement;
+        SamplingTables::new(&scene, &specific_length).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// Average over 6³ places of a cell.
@@ -105,7 +107,10 @@ impl Weave {
         let warp = direction.y.abs() > direction.x.abs();
         let slope = direction.z / direction.truncate().max_element().max(1e-9);
         let step = (slope / 0.3).round().clamp(-2.0, 2.0) as i32 + 2;
-        Cell { surface: self.surface * density, placement: 1.0, list: step as u32 + if warp { 0 } else { 5 } }
+        // Fibers of 6.5 µm that do not overlap.
+        let surface = self.surface * density;
+        let placement = 1.0 / (1.0 - PI * 0.0065 * surface);
+        Cell { surface, placement, list: step as u32 + if warp { 0 } else { 5 } }
     }
 }
 

@@ -6,6 +6,7 @@ use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
 use super::placement::MAX_SEPARATE_FRACTION;
 use super::sheet::SpecificLength;
+use super::voids::{VoidCount, VoidSums, Voids};
 use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
 use crate::scene::{Model, Placement};
@@ -68,6 +69,8 @@ pub struct Gathering {
     pub filled: usize,
     /// Grid of the direction lists.
     pub list_counts: [u32; 3],
+    /// What fibers leave free, where the placement asks for it.
+    pub voids: Option<Voids>,
 }
 
 impl Gathering {
@@ -145,13 +148,11 @@ impl SpecificLength {
         if let Some(full) = too_full(&found.0, &sums, element.radii) {
             return Err(refuse(element, model, &sums, full));
         }
-        if model.placement == Placement::CarriedVoid {
-            let message =
-                "placement \"carried-void\" is not available yet for cloth of yarns; take \"carried\" or \"at-hit\"";
-            return Err(Error::Input(message.into()));
+        let (mut specific_length, mut gathering) = found;
+        match &sums.voids {
+            Some(voids) => gathering.voids = Some(voids.place(&mut specific_length)),
+            None => specific_length.place(model.placement, |kind| element.radii[kind])?,
         }
-        let (mut specific_length, gathering) = found;
-        specific_length.place(model.placement, |kind| element.radii[kind])?;
         Ok((specific_length, gathering))
     }
 }
@@ -168,9 +169,13 @@ fn gather(element: &Element, grids: &Grids, effort: Effort, mut progress: impl F
         let side_by_side = rayon::current_num_threads() as u64;
         for first in (sums.realizations..wanted).step_by(side_by_side as usize) {
             let numbers = first..(first + side_by_side).min(wanted);
-            let one = |number| Ok(count(&(element.realize)(number)?.pieces(), grids));
-            let counts: Vec<Count> = numbers.into_par_iter().map(one).collect::<Result<_>>()?;
-            counts.iter().for_each(|count| sums.add(count));
+            let one = |number| {
+                let realization = (element.realize)(number)?;
+                let voids = grids.voids.then(|| VoidCount::new(&realization, &grids.cells, number)).transpose()?;
+                Ok((count(&realization.pieces(), grids), voids))
+            };
+            let counts: Vec<(Count, Option<VoidCount>)> = numbers.into_par_iter().map(one).collect::<Result<_>>()?;
+            counts.iter().for_each(|(count, voids)| sums.add(count, voids.as_ref()));
             progress(sums.realizations as f64 / wanted as f64);
         }
         let Effort::Precision(precision) = effort else { return Ok(sums) };
@@ -190,7 +195,12 @@ fn grids(element: &Element, model: &Model) -> Grids {
     let block = [0, 1, 2].map(|axis| ((element.list_width[axis] / edges[axis]) as u32).clamp(1, 4));
     // Count directions twice as finely as they are tabulated.
     let n = (2 * model.directions.isqrt()).clamp(64, 512);
-    let mut grids = Grids { cells: element.cells, block, raw: DirectionGrid { n } };
+    let mut grids = Grids {
+        cells: element.cells,
+        block,
+        raw: DirectionGrid { n },
+        voids: model.placement == Placement::CarriedVoid,
+    };
     let lists = |grids: &Grids| grids.list_counts().iter().map(|count| *count as usize).product::<usize>();
     while lists(&grids) > MOST_LISTS {
         // Widen the lists where they are narrowest.
@@ -224,17 +234,22 @@ struct Sums {
     /// Sums of the squares of one realization.
     square: Vec<f64>,
     directions: FxHashMap<Key, Gathered>,
+    voids: Option<VoidSums>,
 }
 
 impl Sums {
     fn new(grids: &Grids) -> Sums {
         let cells = grids.cells.len();
         let (surface, square) = (vec![0; cells], vec![0.0; cells]);
-        Sums { realizations: 0, total: 0.0, surface, square, directions: FxHashMap::default() }
+        let voids = grids.voids.then(|| VoidSums::new(&grids.cells));
+        Sums { realizations: 0, total: 0.0, surface, square, directions: FxHashMap::default(), voids }
     }
 
     /// Add a realization; always in the order of their numbers.
-    fn add(&mut self, count: &Count) {
+    fn add(&mut self, count: &Count, voids: Option<&VoidCount>) {
+        if let (Some(sums), Some(voids)) = (&mut self.voids, voids) {
+            sums.add(voids, self.realizations);
+        }
         self.realizations += 1;
         self.total += count.total;
         for ((sum, square), surface) in self.surface.iter_mut().zip(&mut self.square).zip(&count.surface) {
@@ -291,6 +306,7 @@ impl Sums {
             largest_fraction: fractions.iter().copied().fold(0.0, f64::max),
             filled: specific_length.values.iter().filter(|cell| cell.surface > 0.0).count(),
             list_counts: grids.list_counts(),
+            voids: None,
         };
         (specific_length, gathering)
     }
@@ -316,7 +332,7 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
     let mut cure = String::new();
     while coarse.cells.counts != [1; 3] && cure.is_empty() {
         coarse.cells.counts = coarse.cells.counts.map(|count| count.div_ceil(2));
-        let grids = grids(&coarse, model);
+        let grids = Grids { voids: false, ..grids(&coarse, model) };
         let Ok(counted) = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {}) else { break };
         if too_full(&counted.finish(&coarse, model, &grids).0, &counted, coarse.radii).is_none() {
             cure = format!("take fewer cells, such as cells = {:?}, or ", coarse.cells.counts);

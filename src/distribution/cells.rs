@@ -43,6 +43,15 @@ impl CellGrid {
         (iz as usize * ny + iy as usize) * nx + ix as usize
     }
 
+    /// The index of the cell that holds a point; none beyond the faces.
+    pub fn at(&self, point: DVec3) -> Option<usize> {
+        let from = (point + DVec3::Z * self.thickness) / self.edges();
+        let [nx, ny, nz] = self.counts.map(i64::from);
+        let [ix, iy, iz] = from.floor().as_i64vec3().to_array();
+        let place = [ix.rem_euclid(nx), iy.rem_euclid(ny), iz].map(|at| at as u32);
+        (0..nz).contains(&iz).then(|| self.index(place))
+    }
+
     /// The places of the cells, in the order of their indices.
     pub fn places(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
         let [nx, ny, nz] = self.counts;

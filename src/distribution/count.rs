@@ -20,6 +20,8 @@ pub struct Grids {
     pub block: [u32; 3],
     /// Directions as they are counted, before the cone.
     pub raw: DirectionGrid,
+    /// Whether to measure what fibers leave free.
+    pub voids: bool,
 }
 
 impl Grids {

@@ -29,8 +29,10 @@ mod lists;
 mod placement;
 mod sheet;
 mod spread;
+mod voids;
 
 pub use calculator::{Effort, Element, Gathering};
 pub use cells::{Cell, CellGrid};
 pub use directions::{DirectionGrid, direction_of, square_of};
 pub use sheet::{Bundle, SpecificLength, surface};
+pub use voids::Voids;

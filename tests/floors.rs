@@ -29,7 +29,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables"]),
+    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables", "measure"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),

@@ -1,6 +1,6 @@
 //! Whether two tallies are of the same BSDF, and how far apart they are.
 
-use super::estimate::{Estimate, mean_weight, noise};
+use super::estimate::{Estimate, direct, mean_weight, noise, share};
 use super::significance::{binomial_tail, chi_square_tail, normal_tail, sidak};
 use crate::goniometer::{Moments, Outcome, Tally};
 
@@ -80,9 +80,8 @@ pub fn compare(a: &Tally, b: &Tally) -> Comparison {
     for channel in 0..a.channels().max(b.channels()) {
         family.add_channel(a, b, channel);
     }
-    let share = |tally: &Tally, start| tally.direct(start) as f64 / tally.walks_per_incident() as f64;
-    let difference = |start| (share(a, start) - share(b, start), start);
-    let direct = (0..a.starts()).map(difference).max_by(|x, y| x.0.abs().total_cmp(&y.0.abs())).unwrap_or_default();
+    let difference = |start| (direct(a, start).value - direct(b, start).value, start);
+    let most = (0..a.starts()).map(difference).max_by(|x, y| x.0.abs().total_cmp(&y.0.abs())).unwrap_or_default();
     let Family { tested, seen, cell, pooled, channels } = family;
     let corrected = |cell: CellDifference| CellDifference { probability: sidak(cell.probability, tested), ..cell };
     let over_channels =
@@ -91,7 +90,7 @@ pub fn compare(a: &Tally, b: &Tally) -> Comparison {
         error,
         resolution,
         noise: [noise(a), noise(b)],
-        direct,
+        direct: most,
         tested,
         seen,
         cell: cell.map(corrected),
@@ -125,7 +124,7 @@ fn error_norm(a: &Tally, b: &Tally) -> (f64, f64) {
 /// The share of a bin; an empty one has no error of its own.
 fn seen_share(tally: &Tally, start: usize, bin: usize, channel: usize) -> Estimate {
     let light = light(tally, start, bin, channel);
-    if light.sum == 0 { Estimate::default() } else { mean_weight(light, tally.walks_per_incident(), tally.unit()) }
+    if light.sum == 0 { Estimate::default() } else { share(tally, start, tally.walks_per_incident(), light) }
 }
 
 /// Light of an exit bin or of the direct bin.
@@ -148,14 +147,37 @@ struct Family {
 }
 
 impl Family {
+    /// Hold the light of a start that touches no fiber against the normal law; whether it was tested.
+    fn add_straight(&mut self, a: &Tally, b: &Tally, start: usize, chi_square: &mut f64) -> bool {
+        let shares = [a, b].map(|tally| direct(tally, start));
+        let spread = shares[0].stderr.hypot(shares[1].stderr);
+        self.seen += usize::from(shares.iter().any(|share| share.value > 0.0));
+        if spread == 0.0 || shares.iter().any(|share| share.value == 0.0) {
+            return false;
+        }
+        self.tested += 1;
+        let z = (shares[0].value - shares[1].value) / spread;
+        *chi_square += z * z;
+        let probability = normal_tail(z);
+        if self.cell.is_none_or(|cell| probability < cell.probability) {
+            let bin = a.layout.outcome(Outcome::Direct);
+            self.cell = Some(CellDifference { start, bin, channel: 0, shares, probability });
+        }
+        true
+    }
+
     fn add_channel(&mut self, a: &Tally, b: &Tally, channel: usize) {
         let exits = 2 * a.layout.exit_cells;
-        let direct = a.layout.outcome(Outcome::Direct);
+        let untouched = a.layout.outcome(Outcome::Direct);
         let (mut chi_square, mut freedom) = (0.0, 0);
         for start in 0..a.starts() {
             let mut pool = Pool::default();
-            // Direct light is the same in all channels.
-            for bin in (0..exits).chain((channel == 0).then_some(direct)) {
+            // Direct light is the same in all channels. What straight rays say of it is held against it apart from the walks.
+            let straight = a.straight.is_some() || b.straight.is_some();
+            if straight && channel == 0 {
+                freedom += usize::from(self.add_straight(a, b, start, &mut chi_square));
+            }
+            for bin in (0..exits).chain((channel == 0 && !straight).then_some(untouched)) {
                 let pair = Pair::new(a, b, start, bin, channel);
                 self.seen += usize::from(pair.pooled.value > 0.0);
                 if !pair.tells() {
@@ -168,7 +190,7 @@ impl Family {
                     self.cell = Some(CellDifference { start, bin, channel, shares: pair.shares(), probability });
                 }
             }
-            let (value, degrees) = pool.chi_square(a, b);
+            let (value, degrees) = pool.chi_square(walks_of(a, b, start));
             chi_square += value;
             freedom += degrees;
         }
@@ -180,6 +202,13 @@ impl Family {
             }
         }
     }
+}
+
+/// Walks of a start that the light of an exit cell is compared among: those that met fibers when straight rays say how many
+/// do.
+fn walks_of(a: &Tally, b: &Tally, start: usize) -> [u64; 2] {
+    let straight = a.straight.is_some() || b.straight.is_some();
+    [a, b].map(|tally| tally.walks_per_incident() - if straight { tally.direct(start) } else { 0 })
 }
 
 /// One bin in both tallies.
@@ -199,10 +228,10 @@ struct Pooled {
 impl Pair {
     fn new(a: &Tally, b: &Tally, start: usize, bin: usize, channel: usize) -> Pair {
         let both = [a, b];
-        let walks = both.map(Tally::walks_per_incident);
+        let walks = walks_of(a, b, start);
         let light = both.map(|tally| light(tally, start, bin, channel));
         let units = both.map(Tally::unit);
-        let total = (walks[0] + walks[1]) as f64;
+        let total = (walks[0] + walks[1]).max(1) as f64;
         let mean = |of: fn(&Moments) -> u64, power: i32| {
             light.iter().zip(units).map(|(light, unit)| of(light) as f64 / (unit as f64).powi(power)).sum::<f64>()
                 / total
@@ -271,9 +300,9 @@ impl Pool {
 
     /// χ² = Δᵀ Σ⁻¹ Δ with Σ = (diag⟨w²⟩ − ⟨w⟩⟨w⟩ᵀ)(1/N_A + 1/N_B), inverted by Sherman and Morrison; and its degrees of
     /// freedom.
-    fn chi_square(&self, a: &Tally, b: &Tally) -> (f64, usize) {
+    fn chi_square(&self, walks: [u64; 2]) -> (f64, usize) {
         let [own, mixed, filled] = self.sums;
-        let walks = [a, b].map(|tally| tally.walks_per_incident() as f64);
+        let walks = walks.map(|walks| walks as f64);
         let scale = 1.0 / (1.0 / walks[0] + 1.0 / walks[1]);
         let rest = 1.0 - filled;
         if self.cells == 0 {

@@ -1,6 +1,6 @@
 //! Probabilities and BSDF values with their standard errors.
 
-use crate::goniometer::{Goniometer, Moments, Tally};
+use crate::goniometer::{Goniometer, Moments, Straight, Tally};
 use serde::Serialize;
 
 /// A value and its standard error.
@@ -50,6 +50,31 @@ pub fn mean_weight(moments: Moments, walks: u64, unit: u64) -> Estimate {
     Estimate { value, stderr: ((square - value * value).max(0.0) / (n - 1.0).max(1.0)).sqrt() }
 }
 
+/// The share of all light of a start with so many walks that `light` is, a sum over them.
+///
+/// Where straight rays say how much touches no fiber, the walks say how the rest is shared out.
+pub fn share(tally: &Tally, start: usize, walks: u64, light: Moments) -> Estimate {
+    let entered = walks - tally.direct(start);
+    match tally.straight.as_ref().map(|straight| straight[start]) {
+        None => mean_weight(light, walks, tally.unit()),
+        // No walk says where that light goes.
+        Some(straight) if entered == 0 => Estimate { value: 0.0, stderr: 1.0 - straight.value },
+        Some(straight) => {
+            let Estimate { value, stderr } = mean_weight(light, entered, tally.unit());
+            let rest = 1.0 - straight.value;
+            Estimate { value: rest * value, stderr: (rest * stderr).hypot(value * straight.stderr) }
+        }
+    }
+}
+
+/// The share of the light of a start that touches no fiber.
+pub fn direct(tally: &Tally, start: usize) -> Estimate {
+    match tally.straight.as_ref().map(|straight| straight[start]) {
+        None => probability(tally.direct(start), tally.walks_per_incident()),
+        Some(Straight { value, stderr }) => Estimate { value, stderr },
+    }
+}
+
 /// f of one start by exit cell in a channel, in sr⁻¹: P(exit cell | start) over its projected solid angle.
 pub fn values(
     tally: &Tally,
@@ -62,8 +87,8 @@ pub fn values(
     let first = if component == Component::Reflection { 0 } else { cells };
     let solid_angle = goniometer.exit.projected_solid_angle();
     let value = |bin| {
-        let light = tally.light(start, bin, channel);
-        let Estimate { value, stderr } = mean_weight(light, tally.walks_per_incident(), tally.unit());
+        let Estimate { value, stderr } =
+            share(tally, start, tally.walks_per_incident(), tally.light(start, bin, channel));
         Estimate { value: value / solid_angle, stderr: stderr / solid_angle }
     };
     (first..first + cells).map(value).collect()
@@ -84,7 +109,7 @@ pub fn noise(tally: &Tally) -> f64 {
             for channel in 0..tally.channels() {
                 let light = tally.light(start, bin, channel);
                 if light.sum > 0 {
-                    let Estimate { value, stderr } = mean_weight(light, walks, tally.unit());
+                    let Estimate { value, stderr } = share(tally, start, walks, light);
                     square += value * value;
                     variance += stderr * stderr;
                 }

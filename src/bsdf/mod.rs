@@ -14,6 +14,6 @@ mod significance;
 mod totals;
 
 pub use compare::{CellDifference, Comparison, LEVEL, PooledDifference, compare};
-pub use estimate::{Component, Estimate, mean_weight, noise, probability, values};
+pub use estimate::{Component, Estimate, direct, mean_weight, noise, probability, share, values};
 pub use reciprocity::{Residual, reciprocity};
 pub use totals::{Totals, hemispherical, totals};

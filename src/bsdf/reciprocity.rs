@@ -43,10 +43,19 @@ pub fn reciprocity(
         (Component::Transmission, Side::Back) => Side::Front,
     };
     let place = |side| goniometer.sides.iter().position(|lit| *lit == side);
-    let forth = pooled(tally, goniometer, incident.n, component, place(side)?, channel);
-    let back = pooled(tally, goniometer, incident.n, component, place(reverse)?, channel);
+    let (there, here) = (place(side)?, place(reverse)?);
+    let forth = pooled(tally, goniometer, incident.n, component, there, channel);
+    let back = pooled(tally, goniometer, incident.n, component, here, channel);
     let cells = incident.cells();
     let scale = 1.0 / (tally.unit() as f64 * tally.walks_per_incident() as f64);
+    // Straight rays may know better how much light meets fibers at all.
+    let factor = |start: usize| match &tally.straight {
+        Some(straight) if tally.direct(start) < tally.walks_per_incident() => {
+            let entered = tally.walks_per_incident() - tally.direct(start);
+            (1.0 - straight[start].value) * tally.walks_per_incident() as f64 / entered as f64
+        }
+        _ => 1.0,
+    };
     let (mut excess, mut square) = (0.0, 0.0);
     let mut residual = Residual::default();
     for i in 0..cells {
@@ -54,14 +63,15 @@ pub fn reciprocity(
         let others = if side == reverse { i + 1..cells } else { 0..cells };
         for o in others {
             let (p, q) = (forth[i * cells + o], back[o * cells + i]);
-            let share = |light: Moments| light.sum as f64 * scale;
-            let second = (p.square + q.square) as f64 * scale * scale;
+            let scales = [factor(there * cells + i), factor(here * cells + o)].map(|factor| factor * scale);
+            let [share_p, share_q] = [p.sum as f64 * scales[0], q.sum as f64 * scales[1]];
+            let second = p.square as f64 * scales[0].powi(2) + q.square as f64 * scales[1].powi(2);
             // The two are equal if light is reciprocal, so they have one mean.
-            let mean = (share(p) + share(q)) / 2.0;
+            let mean = (share_p + share_q) / 2.0;
             let variance = second - 2.0 * mean * mean / tally.walks_per_incident() as f64;
-            let difference = (share(p) - share(q)).powi(2);
+            let difference = (share_p - share_q).powi(2);
             excess += difference - variance;
-            square += share(p) * share(q);
+            square += share_p * share_q;
             let effective = ((p.sum + q.sum) as f64).powi(2) / ((p.square + q.square) as f64).max(1.0);
             if effective >= LEAST {
                 residual.chi_square += difference / variance;

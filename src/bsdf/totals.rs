@@ -1,6 +1,6 @@
 //! Reflectance, transmittance and direct light of an incident cell, and their means over the hemisphere.
 
-use super::estimate::{Estimate, mean_weight, probability};
+use super::estimate::{Estimate, direct, share};
 use crate::goniometer::{Goniometer, Incidence, Moments, Tally};
 use serde::Serialize;
 
@@ -27,17 +27,18 @@ pub fn totals(tally: &Tally, start: usize, channel: usize) -> Totals {
         let moments = bins.map(|bin| tally.light(start, bin, channel));
         // A walk leaves in one cell, so its square counts once.
         let sum = moments.fold(Moments::default(), |a, b| Moments { sum: a.sum + b.sum, square: a.square + b.square });
-        mean_weight(sum, walks, tally.unit())
+        share(tally, start, walks, sum)
     };
+    let lost = share(tally, start, walks, Moments { sum: tally.lost(start) * tally.unit(), square: 0 });
     Totals {
         reflectance: sum(0..cells),
         transmittance: sum(cells..2 * cells),
-        direct: probability(tally.direct(start), walks),
+        direct: direct(tally, start),
         absorptance: match &tally.weights {
-            Some(_) => mean_weight(tally.absorbed(start, channel), walks, tally.unit()),
+            Some(_) => share(tally, start, walks, tally.absorbed(start, channel)),
             None => Estimate::default(),
         },
-        lost: tally.lost(start) as f64 / walks as f64,
+        lost: lost.value,
     }
 }
 

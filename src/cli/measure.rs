@@ -63,6 +63,10 @@ pub struct Arguments {
     /// Where the next flight starts, and at which rate it ends: at-hit, carried, carried-dense or carried-void
     #[arg(long, value_name = "PLACEMENT")]
     placement: Option<String>,
+    /// Where the light comes from that touches no fiber: walks, or straight, which is rays through realizations [default:
+    /// straight for yarns, walks for sheets]
+    #[arg(long, value_name = "DIRECT")]
+    direct: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at
     /// most 2^18 cells]
     #[arg(long, value_name = "CELLS")]
@@ -242,6 +246,7 @@ impl Arguments {
         let implicit = [
             ("tracking", &self.tracking),
             ("placement", &self.placement),
+            ("direct", &self.direct),
             ("cells", &self.cells),
             ("directions", &self.directions),
             ("cone", &self.cone),

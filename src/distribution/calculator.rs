@@ -100,14 +100,16 @@ pub struct Element<'a> {
 }
 
 impl SpecificLength {
-    /// Count the fibers of a woven or knitted cloth: the mean over realizations. `progress` is told the share that is done.
+    /// Count the fibers of a woven or knitted cloth: the mean over realizations. `see` is shown each of them with its number,
+    /// in any order; `progress` is told the share that is done.
     ///
     /// # Errors
-    /// Those of [`SpecificLength::of_pieces`].
+    /// Those of [`SpecificLength::of_pieces`] and of `see`.
     pub fn of_cloth(
         cloth: &Cloth,
         model: &Model,
         effort: Effort,
+        see: impl Fn(u64, &Realization) -> Result<()> + Sync,
         progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
         let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
@@ -117,7 +119,11 @@ impl SpecificLength {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
             list_width: cloth.spacing().extend(cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
-            realize: &|number| realizer.draw(number),
+            realize: &|number| {
+                let realization = realizer.draw(number)?;
+                see(number, &realization)?;
+                Ok(realization)
+            },
         };
         SpecificLength::of_pieces(&element, model, effort, progress)
     }

@@ -14,8 +14,10 @@
 
 mod clustering;
 mod engine;
+mod straight;
 mod walk;
 
 pub use clustering::Clustering;
 pub use engine::Explicit;
+pub use straight::StraightLight;
 pub use walk::{Bodies, walk};

@@ -15,4 +15,4 @@ mod tally;
 
 pub use basis::{DiscBasis, Goniometer, Incidence};
 pub use coverage::{Coverage, Origin, Run};
-pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Outcome, Tally, WEIGHT, Weights};
+pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Outcome, Straight, Tally, WEIGHT, Weights};

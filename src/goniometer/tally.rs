@@ -101,8 +101,17 @@ pub struct Weights {
     pub moments: Vec<Moments>,
 }
 
+/// Light of one start that touches no fiber, as straight rays through the cloth say it: a share and its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Straight {
+    /// The share.
+    pub value: f64,
+    /// Its standard deviation.
+    pub stderr: f64,
+}
+
 /// Walks by start (side and incident cell) and exit.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     /// The walks that it holds; those of an engine at work are filled in at the end.
     pub coverage: Coverage,
@@ -114,6 +123,9 @@ pub struct Tally {
     pub weights: Option<Weights>,
     /// Sums over the run.
     pub counts: Counts,
+    /// The light by start that touches no fiber, when it is known better than from the walks: then these say only where the
+    /// rest goes.
+    pub straight: Option<Vec<Straight>>,
 }
 
 impl Tally {
@@ -124,7 +136,14 @@ impl Tally {
             Weights { channels, moments }
         });
         let bins = vec![0; layout.stride() * starts];
-        Tally { coverage: Coverage::new(origin, 0..0), layout, bins, weights, counts: Counts::default() }
+        Tally {
+            coverage: Coverage::new(origin, 0..0),
+            layout,
+            bins,
+            weights,
+            counts: Counts::default(),
+            straight: None,
+        }
     }
 
     /// Who counted; the first of several by seed.
@@ -215,13 +234,17 @@ impl Tally {
     /// Add the counts of other walks through the same cloth and instrument, exactly.
     ///
     /// # Errors
-    /// [`Error::Input`] when the tallies differ in starts, exit cells or channels, or hold the same walk of the same seed.
+    /// [`Error::Input`] when the tallies differ in starts, exit cells, channels or straight light, or hold the same walk of
+    /// the same seed.
     pub fn merge(&mut self, other: &Tally) -> Result<()> {
         let shape = |tally: &Tally| {
             (tally.layout.exit_cells, tally.starts(), tally.weights.as_ref().map(|weights| weights.channels))
         };
         if shape(self) != shape(other) {
             return Err(Error::Input("the tallies differ in incident cells, exit cells or channels".into()));
+        }
+        if self.straight != other.straight {
+            return Err(Error::Input("the tallies differ in the light that touches no fiber".into()));
         }
         self.coverage.join(&other.coverage)?;
         self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);

@@ -2,14 +2,15 @@
 
 use super::stop::Stop;
 use crate::bsdf::noise;
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Realizer};
 use crate::distribution::{DirectionGrid, Effort, Gathering, SpecificLength};
 use crate::error::{Error, Result};
-use crate::explicit::{Clustering, Explicit};
-use crate::goniometer::{Goniometer, Moments, Tally};
-use crate::scene::{Scene, Structure};
+use crate::explicit::{Clustering, Explicit, StraightLight};
+use crate::goniometer::{Goniometer, Moments, Straight, Tally};
+use crate::scene::{Direct, Scene, Structure};
 use crate::tables::{Kind, SamplingTables};
 use crate::walk::{Engine, Implicit, WalkPlan, Walker};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -68,12 +69,14 @@ pub struct Prepared {
     pub tables: SamplingTables,
     /// The instrument.
     pub goniometer: Goniometer,
+    /// The light by start that touches no fiber, by straight rays; none where walks say it.
+    pub straight: Option<Vec<Straight>>,
 }
 
 impl Prepared {
     /// The medium, for an engine to send walks through.
     pub fn with<'a>(&'a self, engine: &'a dyn Engine) -> Implicit<'a> {
-        Implicit { engine, tables: &self.tables }
+        Implicit { engine, tables: &self.tables, straight: self.straight.as_deref() }
     }
 }
 
@@ -91,6 +94,8 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
 /// Those of [`prepare`].
 pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
+    let straight = StraightLight::new(&goniometer);
+    let wanted = scene.model.direct == Direct::Straight;
     let (specific_length, cloth, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
@@ -101,13 +106,19 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
         Structure::Weave(_) | Structure::Knit(_) => {
             let cloth = Cloth::new(scene)?;
-            let (length, gathering) = SpecificLength::of_cloth(&cloth, &scene.model, Effort::default(), progress)?;
+            let see = |number, realization: &_| if wanted { straight.add(number, realization) } else { Ok(()) };
+            let (length, gathering) = SpecificLength::of_cloth(&cloth, &scene.model, Effort::default(), see, progress)?;
             (length, Some(cloth), Some(gathering))
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
     check_memory(memory(&tables, &goniometer), tables.channels(), &goniometer)?;
-    Ok(Prepared { specific_length, cloth, gathering, tables, goniometer })
+    if wanted && gathering.is_none() {
+        let realizer = Realizer::new(scene, scene.model.packing)?;
+        straight.wanted().into_par_iter().try_for_each(|number| straight.add(number, &realizer.draw(number)?))?;
+    }
+    let straight = straight.light();
+    Ok(Prepared { specific_length, cloth, gathering, tables, goniometer, straight })
 }
 
 /// Find the fibers of a scene, and set up the instrument.

@@ -1,7 +1,7 @@
 //! `bsdf.exr`: one part for each component, one row for each incident cell, one column for each exit cell.
 
 use super::provenance::attribute;
-use crate::bsdf::{Component, Estimate, probability, values};
+use crate::bsdf::{Component, Estimate, direct, values};
 use crate::measure::Measurement;
 use crate::scene::Scene;
 use exr::prelude::*;
@@ -23,9 +23,7 @@ pub fn write_bsdf(file: &mut File, scene: &Scene, measurement: &Measurement) -> 
             let row = |start| values(tally, goniometer, component, start, channel);
             starts.clone().flat_map(row).collect()
         };
-        let direct = |_| -> Vec<Estimate> {
-            starts.clone().map(|start| probability(tally.direct(start), tally.walks_per_incident())).collect()
-        };
+        let direct = |_| -> Vec<Estimate> { starts.clone().map(|start| direct(tally, start)).collect() };
         let name = |what: &str| format!("{}.{what}", side.name());
         let channels = &scene.channels.names;
         let (reflection, transmission) = (Component::Reflection, Component::Transmission);

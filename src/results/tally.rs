@@ -3,7 +3,7 @@
 use super::about::About;
 use super::exr::{layer, write_parts};
 use crate::error::{Error, Result};
-use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Tally, Weights};
+use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Straight, Tally, Weights};
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -34,6 +34,9 @@ struct Attribute {
     unit: u64,
     counts: Counts,
     walks: Coverage,
+    /// By start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    straight: Option<Vec<Straight>>,
 }
 
 impl Stored {
@@ -84,7 +87,7 @@ impl Stored {
         attribute: Attribute,
         find: &dyn Fn(&str, &str) -> Option<Vec<u32>>,
     ) -> std::result::Result<Stored, String> {
-        let Attribute { about, unit, counts, walks } = attribute;
+        let Attribute { about, unit, counts, walks, straight } = attribute;
         let (cells, exits) = (about.incident_cells(), (about.exit as usize).pow(2));
         if !walks.is_sound() || about.sides.is_empty() || about.channels.is_empty() || cells == 0 || about.exit > 4096 {
             return Err("attribute `fiberwalk` contradicts itself".into());
@@ -93,6 +96,10 @@ impl Stored {
         let layout = BinLayout { exit_cells: exits };
         let channels = if weighed { about.channels.len() } else { 1 };
         let starts = about.sides.len() * cells;
+        let shares = |all: &Vec<Straight>| all.iter().all(|one| (0.0..=1.0).contains(&one.value) && one.stderr >= 0.0);
+        if straight.as_ref().is_some_and(|all| all.len() != starts || !shares(all)) {
+            return Err("attribute `fiberwalk` has no share of straight light for each incident cell".into());
+        }
         let integers = |part: &str, name: &str, tail: &str, size: usize| -> std::result::Result<Vec<u64>, String> {
             let half = |half: &str| {
                 let name = half_name(name, half, tail);
@@ -141,14 +148,19 @@ impl Stored {
             }
         }
         let weights = weighed.then_some(Weights { channels, moments });
-        Ok(Stored { about, tally: Tally { coverage: walks, layout, bins, weights, counts } })
+        Ok(Stored { about, tally: Tally { coverage: walks, layout, bins, weights, counts, straight } })
     }
 }
 
 /// Write `tally.exr`.
 pub fn write_tally(file: &mut File, about: &About, tally: &Tally) -> io::Result<()> {
-    let attribute =
-        Attribute { about: about.clone(), unit: tally.unit(), counts: tally.counts, walks: tally.coverage.clone() };
+    let attribute = Attribute {
+        about: about.clone(),
+        unit: tally.unit(),
+        counts: tally.counts,
+        walks: tally.coverage.clone(),
+        straight: tally.straight.clone(),
+    };
     // A JSON value has its keys sorted.
     let text = serde_json::to_value(attribute)?.to_string();
     let size = (about.exit.pow(2) as usize, about.incident_cells());

@@ -26,7 +26,7 @@ pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
 pub use knit::{Knit, Stitch};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
-pub use model::{Medium, Model, Packing, Placement, Tracking};
+pub use model::{Direct, Medium, Model, Packing, Placement, Tracking};
 pub use presets::PRESETS;
 pub use reader::closest;
 pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers};

@@ -67,6 +67,16 @@ pub enum Medium {
     Explicit,
 }
 
+/// Where the share of the light comes from that touches no fiber.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Direct {
+    /// Counted among the walks.
+    Walks,
+    /// Straight rays through the fibers of realizations; the walks say where the rest goes.
+    Straight,
+}
+
 /// The model's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Model {
@@ -76,6 +86,11 @@ pub struct Model {
     pub tracking: Tracking,
     /// Where the next flight starts.
     pub placement: Placement,
+    /// Whether that was asked for; if not, it goes by the packing.
+    #[serde(skip)]
+    pub placement_chosen: bool,
+    /// Where the share of the light comes from that touches no fiber.
+    pub direct: Direct,
     /// How the fibers of a realization are laid.
     pub packing: Packing,
     /// Cells of the direction grid, a square number.
@@ -92,9 +107,10 @@ pub struct Model {
 
 /// The cone of a cloth of yarns where the file does not say, in radians.
 const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
-const KEYS: [&str; 7] = ["tracking", "placement", "packing", "directions", "length_over_radius", "cells", "cone_deg"];
+const KEYS: [&str; 8] =
+    ["tracking", "placement", "packing", "direct", "directions", "length_over_radius", "cells", "cone_deg"];
 /// The first ones, which a sheet has as well.
-const KEYS_OF_SHEETS: usize = 5;
+const KEYS_OF_SHEETS: usize = 6;
 
 impl Default for Model {
     fn default() -> Model {
@@ -102,6 +118,8 @@ impl Default for Model {
             medium: Medium::Implicit,
             tracking: Tracking::NullCollision,
             placement: Placement::AtHit,
+            placement_chosen: false,
+            direct: Direct::Walks,
             packing: Packing::Random,
             directions: 1024,
             length_over_radius: f64::INFINITY,
@@ -114,7 +132,23 @@ impl Default for Model {
 impl Model {
     /// The settings of a cloth of yarns or a sheet where the file does not say.
     pub(super) fn of(of_yarns: bool) -> Model {
-        Model { cone: of_yarns.then_some(CONE), ..Model::default() }
+        let mut model = Model::default();
+        if of_yarns {
+            (model.cone, model.direct) = (Some(CONE), Direct::Straight);
+        }
+        model.settle();
+        model
+    }
+
+    /// Choose the placement that is not asked for: in a cloth of yarns, the one that comes nearest to its fibers.
+    fn settle(&mut self) {
+        if !self.placement_chosen {
+            self.placement = match (self.cone, self.tracking, self.packing) {
+                (None, ..) | (_, Tracking::Tabulated, _) => Placement::AtHit,
+                (_, _, Packing::Random) => Placement::Carried,
+                (_, _, Packing::Separate) => Placement::CarriedVoid,
+            };
+        }
     }
 
     pub(super) fn read(&mut self, table: &Table) -> Result<()> {
@@ -145,8 +179,8 @@ impl Model {
         })
     }
 
-    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `directions`, `cells` (such as `24x24x8`)
-    /// or `cone` (in degrees), written as in the file or as a bare word.
+    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `direct`, `directions`, `cells` (such as
+    /// `24x24x8`) or `cone` (in degrees), written as in the file or as a bare word.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) naming the flag, what was found and what is allowed.
@@ -167,7 +201,13 @@ impl Model {
                 let words = [("null-collision", Tracking::NullCollision), ("tabulated", Tracking::Tabulated)];
                 self.tracking = value.choice(&words, &[])?;
             }
-            "placement" => self.placement = value.choice(&PLACEMENTS, &[])?,
+            "placement" => {
+                self.placement = value.choice(&PLACEMENTS, &[])?;
+                self.placement_chosen = true;
+            }
+            "direct" => {
+                self.direct = value.choice(&[("walks", Direct::Walks), ("straight", Direct::Straight)], &[])?;
+            }
             "packing" => {
                 self.packing = value.choice(&[("random", Packing::Random), ("separate", Packing::Separate)], &[])?;
             }
@@ -180,6 +220,7 @@ impl Model {
                 self.length_over_radius = number.map_err(|_| value.expected("inf or a number from 1 to 1000000000"))?;
             }
         }
+        self.settle();
         Ok(())
     }
 }

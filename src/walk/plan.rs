@@ -1,7 +1,7 @@
 //! The plan of a run and the interface of an engine.
 
 use crate::error::{Error, Result};
-use crate::goniometer::{Goniometer, Tally};
+use crate::goniometer::{Goniometer, Straight, Tally};
 use crate::tables::SamplingTables;
 
 /// Roulette is played each time that a walk has made this many more tentative events.
@@ -105,10 +105,15 @@ pub struct Implicit<'a> {
     pub engine: &'a dyn Engine,
     /// What they go through.
     pub tables: &'a SamplingTables,
+    /// The light by start that touches no fiber, if it is known better.
+    pub straight: Option<&'a [Straight]>,
 }
 
 impl Walker for Implicit<'_> {
     fn run(&self, goniometer: &Goniometer, plan: &WalkPlan, progress: &mut dyn FnMut(&Tally)) -> Result<Tally> {
-        self.engine.run(self.tables, goniometer, plan, progress)
+        let straight = self.straight.map(<[Straight]>::to_vec);
+        let mut tally = self.engine.run(self.tables, goniometer, plan, progress)?;
+        tally.straight = straight;
+        Ok(tally)
     }
 }

@@ -10,7 +10,7 @@
 //! by how near these are to a corner. A corner takes the mean of what it is asked for one and a half times, spread over
 //! its neighbours along the fiber by (1, 2, 1)/4 so that fibers do not kink, and half of its last step besides. Axes stay
 //! in the slab, and inside by their radius where all were; ends on a face stay on it. Sweeps end when the deepest overlap is
-//! below 2 % of the sum of the radii: then fibers cover more than 0.999 of their volume in all presets
+//! below 2 % of the sum of the radii: then fibers cover about 0.999 of their volume in all presets
 //! (`cargo bench --bench packing`).
 //!
 //! The result is a function of the fibers alone: each corner adds up what it is asked for in a fixed order.

@@ -18,6 +18,12 @@ const LEAST_WEIGHT: f64 = 0.5;
 const SAME_LISTS: u32 = 6;
 /// Ends that face each other do not touch so near to them, in radii.
 const END: f64 = 2.0;
+/// Axes nearly meet below this distance in sums of the radii.
+const MEET: f64 = 0.1;
+/// Axes cross when the sine of their angle is above this.
+const CROSS: f64 = 0.1;
+/// A piece lies on neither side of another below this distance in sums of the radii.
+const ON_NEITHER: f64 = 1e-9;
 /// Pieces that are worth a task of their own.
 const TASK: usize = 256;
 
@@ -101,15 +107,8 @@ fn push(chains: &Chains, piece: usize, neighbours: &[Neighbour]) -> Push {
         }
         let distance = square.sqrt();
         push.depth = push.depth.max(1.0 - distance / touching);
-        let normal = if distance > 1e-6 * touching {
-            found.apart / distance
-        } else {
-            // Let axes that meet go to opposite sides.
-            let [first, second] = if piece < other { [own, ends] } else { [ends, own] };
-            let (along, across) = (first[1] - first[0], second[1] - second[0]);
-            let side = along.cross(across).try_normalize().unwrap_or(along.any_orthonormal_vector());
-            if piece < other { side } else { -side }
-        };
+        let order = if piece < other { 1.0 } else { -1.0 };
+        let normal = side(own, ends, order, found.apart, touching);
         let way = normal * ((wanted - distance) / 2.0);
         for (end, share) in [1.0 - found.shares[0], found.shares[0]].into_iter().enumerate() {
             push.way[end] += way * share;
@@ -117,6 +116,22 @@ fn push(chains: &Chains, piece: usize, neighbours: &[Neighbour]) -> Push {
         }
     }
     push
+}
+
+/// The direction that the first of two pieces is pushed in: away from the second one, and of axes that nearly meet to the
+/// side where it lies already. Where it lies on none, `order`, ±1, tells the pieces apart.
+fn side(own: [DVec3; 2], ends: [DVec3; 2], order: f64, apart: DVec3, touching: f64) -> DVec3 {
+    if apart.length_squared() > (MEET * touching).powi(2) {
+        return apart.normalize();
+    }
+    let (along, across) = ((own[1] - own[0]).normalize(), (ends[1] - ends[0]).normalize());
+    let normal = along.cross(across);
+    if normal.length_squared() < CROSS * CROSS {
+        return apart.try_normalize().unwrap_or(order * along.any_orthonormal_vector());
+    }
+    // The normal turns over when the pieces change places.
+    let (normal, height) = (normal.normalize(), apart.dot(normal.normalize()));
+    if height.abs() > ON_NEITHER * touching { normal * height.signum() } else { normal }
 }
 
 /// Whether points of two pieces lie near ends that face each other, as where a thread is cut.

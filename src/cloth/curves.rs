@@ -111,7 +111,7 @@ impl Cloth {
 }
 
 /// Random numbers of one stream of one draw.
-fn generator(seed: u64, number: u64, stream: u64) -> ChaCha8Rng {
+pub(super) fn generator(seed: u64, number: u64, stream: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&number.to_le_bytes());

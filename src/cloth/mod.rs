@@ -1,7 +1,7 @@
 //! The explicit cloth: the geometry that the distribution calculator counts (paper §5).
 //!
 //! Computes: the axes of the threads of one repeat of a weave or a knit, and random draws of all their fibers as straight
-//! pieces.
+//! pieces; for pictures also those of a sheet.
 //!
 //! Inputs: a checked scene with a `[weave]` or a `[knit]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
 //! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.
@@ -32,6 +32,7 @@ mod realization;
 mod repeat;
 mod rim;
 mod section;
+mod sheet;
 mod statistics;
 mod steps;
 mod woven;
@@ -39,4 +40,5 @@ mod woven;
 pub use curves::Curve;
 pub use realization::Primitive;
 pub use repeat::{Cloth, System, Thread};
+pub use sheet::lay_sheet;
 pub use statistics::{Shape, Statistics};

@@ -8,7 +8,7 @@ use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
 /// Length of a fiber in sides of the square.
-const LONG: f64 = 4.0;
+const LONG: f64 = 1.0;
 /// Length of its pieces in sides of the square, at most.
 const PIECE: f64 = 0.125;
 

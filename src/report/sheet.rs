@@ -16,9 +16,10 @@ use glam::DVec2;
 /// Cloths side by side.
 const COLUMNS: usize = 3;
 /// Side of the square of a homogeneous sheet that is drawn, in diameters of its thickest fiber.
-const SQUARE: f64 = 60.0;
+const SQUARE: f64 = 75.0;
 /// How deep one looks into a sheet, and how wide its hollows are, in diameters of its thickest fiber.
-const HOLLOW: f64 = 8.0;
+const DEEP: f64 = 40.0;
+const WIDE: f64 = 4.0;
 
 /// Draw the fronts of cloths in rows of three, each with its name and a scale bar of its own, from the fibers of one
 /// realization (seed 1, number 0). A scene without a laid out cloth is a sheet: its fibers are drawn straight and at
@@ -67,7 +68,7 @@ fn front(image: &mut Image, [left, top, side]: [usize; 3], cloth: Option<&Cloth>
     let coarse = scene.structure.kinds().iter().map(|&kind| 2.0 * scene.fibers[kind].radius).fold(0.0, f64::max);
     let (window, period, spacing, thickness) = match cloth {
         Some(cloth) => (window(cloth), cloth.period(), cloth.spacing().min_element(), cloth.thickness()),
-        None => (SQUARE * coarse, DVec2::splat(SQUARE * coarse), HOLLOW * coarse, HOLLOW * coarse),
+        None => (SQUARE * coarse, DVec2::splat(SQUARE * coarse), WIDE * coarse, DEEP * coarse),
     };
     let per_mm = side as f64 / window;
     let repeat = period.to_array().map(|size| (size * per_mm).round().max(1.0) as usize);

@@ -52,6 +52,11 @@ impl Knit {
         }
     }
 
+    /// Length of a loop in mm that would just reach the next course: up, across and down again on straight lines.
+    pub fn least_length(&self) -> f64 {
+        2.0 * self.course_spacing.hypot(self.wale_spacing / 2.0)
+    }
+
     /// Diameter that the yarn is laid out with in mm: the mean of its width and its height.
     pub fn diameter(&self) -> f64 {
         (self.yarn.width + self.yarn.height) / 2.0
@@ -94,9 +99,9 @@ fn find_yarn(value: &Value, yarns: Vec<Yarn>) -> Result<Yarn> {
     Ok(yarn.clone())
 }
 
-/// Refuse a loop that cannot reach the next course: up, across and down again on straight lines.
+/// Refuse a loop that cannot reach the next course.
 fn check_length(knit: &Knit, value: &Value) -> Result<()> {
-    let least = 2.0 * knit.course_spacing.hypot(knit.wale_spacing / 2.0);
+    let least = knit.least_length();
     if knit.loop_length > least {
         return Ok(());
     }

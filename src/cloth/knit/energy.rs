@@ -214,12 +214,9 @@ fn near(
                                 if apart.length_squared() >= square {
                                     continue;
                                 }
-                                let between = if course == 0 {
-                                    (parameter(i, points.len()) / TAU - along).abs()
-                                } else {
-                                    f64::INFINITY
-                                };
-                                let wanted = room.diameter * (between / room.diameter).min(FRAC_PI_2).sin();
+                                let between = (parameter(i, points.len()) / TAU - along).abs() / room.diameter;
+                                let near = course == 0 && between < FRAC_PI_2;
+                                let wanted = if near { room.diameter * between.sin() } else { room.diameter };
                                 visit(i, j, sign, apart, wanted);
                             }
                         }

@@ -23,6 +23,9 @@ const JERSEY: Knitted =
     Knitted { structure: "jersey", courses: 13.0, wales: 10.5, length: 4.0, diameter_um: 210.0, twist: 0.0 };
 const RIB: Knitted =
     Knitted { structure: "rib", courses: 13.5, wales: 20.0, length: 4.0, diameter_um: 200.0, twist: 0.0 };
+/// A rib of long loops, which is made by lengthening shorter ones.
+const LONG: Knitted =
+    Knitted { structure: "rib", courses: 15.99, wales: 24.4, length: 3.44, diameter_um: 186.0, twist: 0.0 };
 /// A rib that is pulled wide: its wales lie side by side.
 const WIDE: Knitted =
     Knitted { structure: "rib", courses: 35.0, wales: 14.0, length: 2.0, diameter_um: 60.0, twist: 0.0 };
@@ -55,7 +58,7 @@ fn axis(cloth: &Cloth, count: usize) -> Vec<DVec3> {
 
 #[test]
 fn density_and_loop_length_are_those_of_the_file() {
-    for knitted in [JERSEY, RIB, WIDE, Knitted { courses: 18.0, length: 3.4, diameter_um: 150.0, ..JERSEY }] {
+    for knitted in [JERSEY, RIB, WIDE, LONG, Knitted { courses: 18.0, length: 3.4, diameter_um: 150.0, ..JERSEY }] {
         let cloth = knitted.cloth();
         let wales = if knitted.structure == "rib" { 2.0 } else { 1.0 };
         assert!(cloth.period().abs_diff_eq(DVec2::new(10.0 * wales / knitted.wales, 10.0 / knitted.courses), 1e-12));
@@ -135,7 +138,7 @@ fn least_distance(cloth: &Cloth, diameter: f64) -> f64 {
 
 #[test]
 fn yarns_do_not_run_through_each_other() {
-    for knitted in [JERSEY, RIB, WIDE] {
+    for knitted in [JERSEY, RIB, WIDE, LONG] {
         let cloth = knitted.cloth();
         let diameter = knitted.diameter_um / 1e3;
         let least = least_distance(&cloth, diameter);
@@ -190,12 +193,10 @@ fn a_plain_loop_has_feet_like_its_head_and_a_rib_a_back_like_its_front() {
 
 #[test]
 fn a_rib_is_about_twice_as_thick_as_jersey() {
-    let thickness = |name: &str| {
-        let scene = Scene::parse(&Source::find(name).expect("it is a preset")).expect("it is right");
-        let cloth = Cloth::new(&scene).expect("it fits");
-        cloth.thickness() / cloth.knit().expect("it is a knit").diameter()
-    };
-    let (jersey, rib) = (thickness("jersey"), thickness("rib"));
+    let thickness = |knitted: Knitted| knitted.cloth().thickness() / (knitted.diameter_um / 1e3);
+    // The loops of the presets.
+    let jersey = thickness(Knitted { courses: 12.39, wales: 9.46, length: 4.44, diameter_um: 240.0, ..JERSEY });
+    let rib = thickness(Knitted { length: 3.2, ..LONG });
     assert!((2.0..3.0).contains(&jersey) && (1.7..2.8).contains(&(rib / jersey)), "{jersey} and {rib} diameters");
 }
 
@@ -285,6 +286,19 @@ fn what_does_not_fit_is_refused_with_what_would() {
     assert!((210.0..260.0).contains(&largest), "{largest}");
     let short = refused(Knitted { length: 2.0, ..JERSEY });
     assert!(short.contains("`loop_length_mm` can be from about 3."), "{short}");
+}
+
+#[test]
+fn a_yarn_that_is_too_thin_for_its_loops_is_refused_for_that() {
+    let thin = |diameter_um: f64| {
+        let text = Knitted { diameter_um, ..JERSEY }.text().replace("fibers_per_ply = 18", "fibers_per_ply = 2");
+        parse(&text).and_then(|scene| Cloth::new(&scene))
+    };
+    let error = thin(31.0).map(|_| ()).expect_err("it is too thin").to_string();
+    let message = "cloth.toml:13:8: yarn `wool` is 31 µm thick, too thin for loops of 4 mm: it must be at least 1/128 of \
+                   them, 31.25 µm; or lower `loop_length_mm` to 3.968";
+    assert_eq!(error, message);
+    assert!(thin(31.25).is_ok());
 }
 
 #[test]

@@ -126,3 +126,30 @@ fn curves_of_a_knit_can_be_written() {
     assert!(file.lines().next().is_some_and(|line| line.contains("x courses, y wales")));
     assert_eq!(file.split("\n\n").filter(|fiber| !fiber.trim().is_empty()).count(), 36);
 }
+
+#[test]
+fn inspect_says_what_hairs_loops_and_migration_a_yarn_has() {
+    let place = Place::new();
+    let inspected = |lines: &str| {
+        let model = "[model]\ncells = [8, 8, 8]\n";
+        std::fs::write(place.path("cloth.toml"), text("jersey", lines) + model).expect("it can be written");
+        let outcome = place.run(&["inspect", "cloth.toml", "--width", "600", "-o", "drawn"]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        outcome.stdout
+    };
+    let hairy = inspected(
+        "ply_twist_per_m = 500\nmigration = { radius = [0.8, 1.0], periods_per_turn = 1.5 }\n\
+         flyaways = { hairs_per_mm = 2.5, hair_length_um = [200, 50], hair_rise_deg = [20, 5], loops_per_mm = 1, \
+         loop_height_um = [80, 30] }",
+    );
+    for line in [
+        "  hairs          2.5 on a mm, 200 ± 50 µm long, rising 20 ± 5°\n",
+        // A loop takes one swing of the migration: 2 mm / 1.5.
+        "  loops          1 on a mm, 80 ± 30 µm high, 1333 µm of yarn each\n",
+        "  migration      0.8 to 1 of a fiber's distance from its ply's centre, 1.5 swings a turn\n",
+    ] {
+        assert!(hairy.contains(line), "{hairy}");
+    }
+    let plain = inspected("ply_twist_per_m = 500");
+    assert!(!["hairs", "migration", "µm high"].iter().any(|word| plain.contains(word)), "{plain}");
+}

@@ -229,6 +229,30 @@ fn threads_that_are_not_threaded_are_no_part_of_the_cloth() {
 }
 
 #[test]
+fn what_programs_leave_empty_or_write_besides_changes_nothing() {
+    let treadles = edit("Treadles=4", "Treadles=10").replace("4=1,4\n", "4=1,4\n5=\n6=0\n10= ; none\n");
+    assert_eq!(draft(treadles), TWILL);
+    assert_eq!(draft(edit("[WEFT]\nThreads=4", "[WEFT]\nThreads=7") + "5=\n6=0\n7= ; none\n"), TWILL);
+    assert_eq!(draft(edit("[TREADLING]\n", "[LIFTPLAN]\n1=\n2=\n[TREADLING]\n")), TWILL);
+    // Thickness and symbols; wrong contents.
+    for besides in [
+        "[WARP THICKNESS]\n1=0.2\n3=0.4\n[WEFT THICKNESS]\n2=.1\n",
+        "[CONTENTS]\nTIEUP=yes\nTREADLING=1\nLIFTPLAN=on\nCOLOR TABLE=\nNOTES=true\n",
+        "[WARP SYMBOLS]\n1='a'\n[TRANSLATIONS]\n1=x\n[BITMAP FILE]\n1=a.bmp\n[BITMAP IMAGE]\n:)\n",
+    ] {
+        assert_eq!(draft(format!("{FILE}{besides}")), TWILL, "{besides}");
+    }
+    // Colours have the range of their palette, or none.
+    let file = FILE.replace("[WARP]\n", "[WARP]\nColor=1\n") + "[WEFT COLORS]\n1=2\n2=2\n3=2\n4=2\n";
+    let lines = format!("{COLOURS}\nends_per_cm = 10\npicks_per_cm = 10");
+    for palette in ["Entries=2\nForm=RGB\nRange=0,255", "Entries=2\nRange=0,999", "Range=0,65535", ""] {
+        let colours = format!("[COLOR PALETTE]\n{palette}\n[COLOR TABLE]\n1=200,0,0\n2=0,0,250\n");
+        let woven = weave(file.clone() + &colours, &lines);
+        assert_eq!((&woven.draft()[..], woven.ends[0], woven.picks[0]), (&TWILL.map(String::from)[..], 0, 1));
+    }
+}
+
+#[test]
 fn settings_come_from_the_file_in_its_units() {
     let spaced = |warp: &str, weft: &str| {
         FILE.replace("[WARP]\n", &format!("[WARP]\n{warp}\n")).replace("[WEFT]\n", &format!("[WEFT]\n{weft}\n"))

@@ -64,6 +64,16 @@ fn a_line_at_fault_is_named() {
         ("1=1,2", "first=1,2", &format!("t.wif:23:1: [TIEUP] first=1,2: {key}")),
         ("1=1,2", "1000001=1,2", &format!("t.wif:23:1: [TIEUP] 1000001=1,2: {key}")),
         ("[THREADING]\n", "[THREADING]\n0=1\n", "t.wif:18:1: [THREADING] 0=1: numbers start at 1"),
+        ("[TIEUP]\n", "[TIEUP]\n0=1,2\n", "t.wif:23:1: [TIEUP] 0=1,2: numbers start at 1"),
+        ("[TREADLING]\n", "[TREADLING]\n0=1\n", "t.wif:28:1: [TREADLING] 0=1: numbers start at 1"),
+        ("[TREADLING]\n", "[LIFTPLAN]\n0=1,2\n[TREADLING]\n", "t.wif:28:1: [LIFTPLAN] 0=1,2: numbers start at 1"),
+        ("[COLOR TABLE]\n", "[WARP COLORS]\n0=1\n[COLOR TABLE]\n", "t.wif:33:1: [WARP COLORS] 0=1: numbers start at 1"),
+        // A file that counts from 0 throughout.
+        (
+            "[THREADING]\n1=1\n2=2\n3=3\n4=4\n",
+            "[THREADING]\n0=0\n1=1\n2=2\n3=3\n",
+            "t.wif:18:1: [THREADING] 0=0: numbers start at 1",
+        ),
         ("1=1,2", "1 1,2", "t.wif:23:1: [TIEUP] `1 1,2` is neither KEY=VALUE nor a comment after `;`"),
         ("[TIEUP]", "[TIEUP", "t.wif:22:1: [THREADING] `[TIEUP` is neither KEY=VALUE nor a comment after `;`"),
         ("1=1,2", "1=1,2\n1=2", "t.wif:24:1: [TIEUP] 1=2: line 23 says 1=1,2; leave one of them"),
@@ -342,4 +352,5 @@ fn the_program_says_so_and_ends_with_2() {
     let outcome = place.run(&["inspect", "cloths/cloth.toml", "--width", "600"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     assert!(outcome.stdout.contains("4 ends × 4 picks"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("draft            of cloths/t.wif\n"), "{}", outcome.stdout);
 }

@@ -228,7 +228,7 @@ fn fibers_fit_into_their_yarns() {
 fn migration_and_flyaways_are_possible() {
     let a = "width_um = 400\nheight_um = 300";
     let twisted = "width_um = 400\nheight_um = 300\nply_twist_per_m = 500";
-    let migration = "a table such as { radius = [0.2, 1.0], periods_per_turn = 1.0 }";
+    let migration = "a table such as { radius = [0.8, 1.0], periods_per_turn = 1.0 }";
     let shares = "two numbers from 0 to 1, ascending: shares of a fiber's distance from its ply's centre";
     let flyaways = "a table such as { hairs_per_mm = 3.0, hair_length_um = [600, 200] }";
     let lengths = "two numbers, the mean (above 0) and the standard deviation, of at most 10000 µm";
@@ -254,8 +254,16 @@ fn migration_and_flyaways_are_possible() {
     refuse_line(
         "migration = { radius = [0.1, 1], periods_per_turn = 1 }",
         "10:24: fibers that come as near to their ply's centre as 0.1 of their distance crowd there and fill 1.04, but at \
-         most 0.9 is possible: raise the smallest share of `radius` or lower `fibers_per_ply`",
+         most 0.9 is possible: raise the smallest share of `radius` to 0.12 or lower `fibers_per_ply` to 43",
     );
+    // So it is taken.
+    for line in [
+        "migration = { radius = [0.12, 1], periods_per_turn = 1 }",
+        "migration = { radius = [0.8, 1.0], periods_per_turn = 1 }",
+    ] {
+        let text = CLOTH.replace(a, &format!("{twisted}\n{line}"));
+        assert!(parse(&text).is_ok(), "{line}");
+    }
     refuse(&[(
         a,
         &format!("{a}\nmigration = {{ radius = [0.5, 1], periods_per_turn = 1 }}"),

@@ -1,6 +1,7 @@
 //! `fiberwalk inspect`.
 
 mod woven;
+mod yarns;
 
 use super::{one_line, print};
 use fiberwalk::measure::{Prepared, memory, prepare};

@@ -54,8 +54,13 @@ pub struct Depth {
 impl Depth {
     /// An empty buffer for one repeat of a face, of so many columns and rows.
     pub fn face(cloth: &Cloth, face: Face, size: [usize; 2]) -> Depth {
-        let view = View::face(cloth, face);
-        let per_mm = DVec2::new(size[0] as f64, size[1] as f64) / view.period.truncate();
+        Depth::of_face(cloth.period(), face, size)
+    }
+
+    /// The same for a cloth whose repeat has this size in mm.
+    pub(super) fn of_face(period: DVec2, face: Face, size: [usize; 2]) -> Depth {
+        let view = View::face(period, face);
+        let per_mm = DVec2::new(size[0] as f64, size[1] as f64) / period;
         Depth { view, size, bottom: 0.0, per_mm, seen: vec![Seen::NOTHING; size[0] * size[1]] }
     }
 

@@ -1,7 +1,7 @@
 //! Where one looks from.
 
 use crate::cloth::{Cloth, System};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A face of the cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,10 +28,10 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a face.
-    pub fn face(cloth: &Cloth, face: Face) -> View {
+    /// The view of a face of a cloth whose repeat has this size in mm.
+    pub fn face(period: DVec2, face: Face) -> View {
         let side = if face == Face::Front { 1.0 } else { -1.0 };
-        let period = cloth.period().extend(f64::INFINITY);
+        let period = period.extend(f64::INFINITY);
         let (right, toward) = (DVec3::X * side, DVec3::Z * side);
         View { right, up: DVec3::Y, toward, period, cut: f64::INFINITY, reach: f64::INFINITY }
     }

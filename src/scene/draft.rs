@@ -22,6 +22,8 @@ pub struct Draft<'a> {
     pub threads: [Vec<usize>; 2],
     /// Distance of the ends and of the picks in mm.
     pub spacings: [f64; 2],
+    /// The WIF file that it comes from.
+    pub wif: Option<String>,
 }
 
 /// Read the draft that the cloth file has or points to.
@@ -40,7 +42,7 @@ pub fn read_draft<'a>(table: &Table<'a>, yarns: &[Yarn], folder: Option<&Path>) 
     let threads = |key: &str| read_threads(&table.require(key)?, yarns);
     let threads = [threads("warp")?, threads("weft")?];
     let spacing = |key: &str| Ok(CM / table.require(key)?.number(Allowed::from(0.1, 1000.0))?);
-    Ok(Draft { value, over, threads, spacings: [spacing("ends_per_cm")?, spacing("picks_per_cm")?] })
+    Ok(Draft { value, over, threads, spacings: [spacing("ends_per_cm")?, spacing("picks_per_cm")?], wif: None })
 }
 
 /// The draft of a WIF file, cut down to its repeat; what the cloth file says of yarns and settings goes first.
@@ -86,7 +88,7 @@ fn read_woven<'a>(table: &Table, value: Value<'a>, yarns: &[Yarn], folder: Optio
     }
     let [warp, weft] = by_colour;
     let threads = [given[0].take().unwrap_or(warp), given[1].take().unwrap_or(weft)];
-    Ok(Draft { value, over, threads, spacings: mm })
+    Ok(Draft { value, over, threads, spacings: mm, wif: Some(file) })
 }
 
 /// Rows from the first pick, which the file has last; each from the first end.

@@ -10,6 +10,10 @@ const CM: f64 = 10.0;
 /// Largest ratio of the axes of a yarn's section: loops are laid out as if it were round.
 const MAX_ASPECT: f64 = 1.25;
 
+/// Least diameter of a yarn in shares of the loop length: of a thinner one, the points of a loop would lie too far apart to
+/// tell that it does not pass through itself.
+pub const THINNEST: f64 = 1.0 / 128.0;
+
 /// How the loops of a weft knit hang in each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stitch {
@@ -48,6 +52,11 @@ impl Knit {
         }
     }
 
+    /// Length of a loop in mm that would just reach the next course: up, across and down again on straight lines.
+    pub fn least_length(&self) -> f64 {
+        2.0 * self.course_spacing.hypot(self.wale_spacing / 2.0)
+    }
+
     /// Diameter that the yarn is laid out with in mm: the mean of its width and its height.
     pub fn diameter(&self) -> f64 {
         (self.yarn.width + self.yarn.height) / 2.0
@@ -67,6 +76,7 @@ pub(super) fn read_knit(table: &Table, yarns: Vec<Yarn>) -> Result<Knit> {
         loop_length: table.require("loop_length_mm")?.number(Allowed::from(0.01, 1000.0))?,
     };
     check_length(&knit, &table.require("loop_length_mm")?)?;
+    check_thickness(&knit, &table.require("yarn")?)?;
     Ok(knit)
 }
 
@@ -89,9 +99,9 @@ fn find_yarn(value: &Value, yarns: Vec<Yarn>) -> Result<Yarn> {
     Ok(yarn.clone())
 }
 
-/// Refuse a loop that cannot reach the next course: up, across and down again on straight lines.
+/// Refuse a loop that cannot reach the next course.
 fn check_length(knit: &Knit, value: &Value) -> Result<()> {
-    let least = 2.0 * knit.course_spacing.hypot(knit.wale_spacing / 2.0);
+    let least = knit.least_length();
     if knit.loop_length > least {
         return Ok(());
     }
@@ -99,5 +109,22 @@ fn check_length(knit: &Knit, value: &Value) -> Result<()> {
         "a loop of {} mm cannot reach the next course: at these courses and wales it is longer than {} mm",
         round(knit.loop_length),
         round(least)
+    )))
+}
+
+/// Refuse a yarn that is too thin for its loops.
+fn check_thickness(knit: &Knit, yarn: &Value) -> Result<()> {
+    if knit.diameter() >= THINNEST * knit.loop_length {
+        return Ok(());
+    }
+    let least = (THINNEST * knit.loop_length / UM * 1e3).ceil() / 1e3;
+    let most = (knit.diameter() / THINNEST * 1e3).floor() / 1e3;
+    Err(yarn.error(format!(
+        "yarn `{}` is {} µm thick, too thin for loops of {} mm: it must be at least 1/{:.0} of them, {least} µm; or lower \
+         `loop_length_mm` to {most}",
+        knit.yarn.name,
+        round(knit.diameter() / UM),
+        round(knit.loop_length),
+        1.0 / THINNEST,
     )))
 }

@@ -23,7 +23,7 @@ mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
 pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
-pub use knit::{Knit, Stitch};
+pub use knit::{Knit, Stitch, THINNEST};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
 pub use model::{Direct, Medium, Model, Packing, Placement, Tracking};

@@ -32,6 +32,8 @@ pub struct Weave {
     pub pick_spacing: f64,
     /// Share of the height of a crossing that the warp takes; the weft takes the rest.
     pub warp_crimp_share: f64,
+    /// The WIF file that the draft comes from, as the user may find it.
+    pub wif: Option<String>,
 }
 
 impl Weave {
@@ -64,7 +66,7 @@ impl Weave {
 
 pub(super) fn read_weave(table: &Table, yarns: Vec<Yarn>, folder: Option<&Path>) -> Result<Weave> {
     table.expect_keys(&KEYS, &[])?;
-    let Draft { value, over: draft, threads, spacings } = read_draft(table, &yarns, folder)?;
+    let Draft { value, over: draft, threads, spacings, wif } = read_draft(table, &yarns, folder)?;
     let [warp, weft] = threads;
     let [end_spacing, pick_spacing] = spacings;
     let share = table.get("warp_crimp_share").map(|value| value.number(Allowed::from(0.0, 1.0))).transpose()?;
@@ -87,6 +89,7 @@ pub(super) fn read_weave(table: &Table, yarns: Vec<Yarn>, folder: Option<&Path>)
         end_spacing,
         pick_spacing,
         warp_crimp_share: share.unwrap_or(0.5),
+        wif,
         yarns,
     };
     let place = |key: &str| table.get(key).unwrap_or_else(|| value.clone());

@@ -1,13 +1,14 @@
 //! `fiberwalk inspect` of a cloth of yarns.
 
 use super::super::{one_line, print};
+use super::yarns::yarns;
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
 use fiberwalk::cloth::{Cloth, Shape, Statistics};
 use fiberwalk::measure::Prepared;
 use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::{Scene, Yarn};
+use fiberwalk::scene::Scene;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -47,33 +48,9 @@ fn repeat(cloth: &Cloth) -> String {
             (format!("{wales} wale{s} × 1 course"), format!("{along} wales/cm, {up} courses/cm"))
         }
     };
-    format!("repeat           {counts}, {:.4} × {:.4} mm\nsetting          {setting}\n", size.x, size.y)
-}
-
-/// The kinds of fiber and the yarns that the threads are made of.
-fn yarns(scene: &Scene, cloth: &Cloth) -> String {
-    let micro = |length: f64| (length * 1e9).round() / 1e6;
-    let mut text = String::new();
-    for kind in cloth.used_kinds() {
-        let fiber = &scene.fibers[kind];
-        let (name, radius) = (one_line(&fiber.name), micro(fiber.radius));
-        let _ = writeln!(text, "fibers           {name}: radius {radius} µm, index {}", fiber.ior);
-    }
-    for yarn in cloth.used_yarns().into_iter().map(|yarn| &cloth.yarns()[yarn]) {
-        let (name, width, height) = (one_line(&yarn.name), micro(yarn.width), micro(yarn.height));
-        let fill = yarn.packing(&scene.fibers);
-        let _ =
-            writeln!(text, "yarn             {name}: {}, {width} × {height} µm, fill {fill:.3}", fibers(scene, yarn));
-    }
-    text
-}
-
-/// How many fibers of which kinds a yarn has.
-fn fibers(scene: &Scene, yarn: &Yarn) -> String {
-    let kinds =
-        yarn.counts().into_iter().map(|(kind, count)| format!("{count} {}", one_line(&scene.fibers[kind].name)));
-    let plies = if yarn.plies == 1 { String::new() } else { format!(" in {} plies", yarn.plies) };
-    format!("{}{plies}", kinds.collect::<Vec<_>>().join(" + "))
+    let draft = cloth.weave().and_then(|weave| weave.wif.as_ref());
+    let draft = draft.map_or(String::new(), |file| format!("draft            of {}\n", one_line(file)));
+    format!("{draft}repeat           {counts}, {:.4} × {:.4} mm\nsetting          {setting}\n", size.x, size.y)
 }
 
 /// The shape of the threads and what they cover.

@@ -9,6 +9,9 @@ const BENDING: f64 = 1e-2;
 /// Weight of an even speed: it chooses one of the many parametrisations of the same curve.
 const EVEN: f64 = 1e-2;
 
+/// Points that are looked at together.
+const RUN: usize = 8;
+
 /// Points never come nearer to each other than this share of the distance that they should keep.
 pub const NEAREST: f64 = 0.5;
 
@@ -183,26 +186,49 @@ fn near(
     let reach = points.iter().fold(0.0f64, |reach, point| reach.max(point.y.abs()));
     let courses = ((2.0 * reach + distance) / room.course).floor().min(8.0) as i32;
     let square = distance * distance;
+    let boxes: Vec<[DVec3; 2]> = points.chunks(RUN).map(bounds).collect();
+    let mut close = Vec::with_capacity(boxes.len());
     for course in 0..=courses {
         for wale in -3..=3i32 {
             for mirror in [1.0, -1.0] {
                 let sign = DVec3::new(mirror, 1.0, if wale % 2 == 0 { 1.0 } else { next_z });
                 let offset = DVec3::new(f64::from(wale) * room.wale, f64::from(course) * room.course, 0.0);
-                for (j, point) in points.iter().enumerate() {
-                    let image = *point * sign + offset;
-                    let along = mirror * parameter(j, points.len()) / TAU + f64::from(wale);
-                    for (i, own) in points.iter().enumerate() {
-                        let apart = *own - image;
-                        if apart.length_squared() >= square {
-                            continue;
+                for (run, corners) in boxes.iter().enumerate() {
+                    // Leave out the runs of points that are too far away together.
+                    let [a, b] = corners.map(|corner| corner * sign + offset);
+                    let (low, high) = (a.min(b), a.max(b));
+                    close.clear();
+                    close.extend((0..boxes.len()).filter(|&other| {
+                        let gap = (boxes[other][0] - high).max(low - boxes[other][1]).max(DVec3::ZERO);
+                        gap.length_squared() < square
+                    }));
+                    if close.is_empty() {
+                        continue;
+                    }
+                    for (j, point) in points.iter().enumerate().skip(run * RUN).take(RUN) {
+                        let image = *point * sign + offset;
+                        let along = mirror * parameter(j, points.len()) / TAU + f64::from(wale);
+                        for &other in &close {
+                            for (i, own) in points.iter().enumerate().skip(other * RUN).take(RUN) {
+                                let apart = *own - image;
+                                if apart.length_squared() >= square {
+                                    continue;
+                                }
+                                let between = (parameter(i, points.len()) / TAU - along).abs() / room.diameter;
+                                let near = course == 0 && between < FRAC_PI_2;
+                                let wanted = if near { room.diameter * between.sin() } else { room.diameter };
+                                visit(i, j, sign, apart, wanted);
+                            }
                         }
-                        let between =
-                            if course == 0 { (parameter(i, points.len()) / TAU - along).abs() } else { f64::INFINITY };
-                        let wanted = room.diameter * (between / room.diameter).min(FRAC_PI_2).sin();
-                        visit(i, j, sign, apart, wanted);
                     }
                 }
             }
         }
     }
+}
+
+/// The lowest and the highest corner of a box around points.
+fn bounds(points: &[DVec3]) -> [DVec3; 2] {
+    let first = points[0];
+    points.iter().fold([first, first], |[low, high], point| [low.min(*point), high.max(*point)])
 }

@@ -15,7 +15,7 @@ pub use course::{Course, Frame};
 
 use super::repeat::{Axis, Fabric, Laid, System, Thread};
 use crate::error::{Error, Result};
-use crate::scene::Knit;
+use crate::scene::{Knit, THINNEST};
 use energy::Room;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -51,22 +51,29 @@ fn room(knit: &Knit, length: f64, diameter: f64) -> Room {
 /// What would fit in place of loops that do not.
 fn jammed(knit: &Knit) -> Error {
     let fits = |length: f64, diameter: f64| relax(knit.stitch, &room(knit, length, diameter)).is_ok();
-    // Shorten or lengthen the loops.
+    // Shorten or lengthen the loops, as far as they reach the next course and the yarn is not too thin for them.
     let length = |step: i32| knit.loop_length * 2f64.powf(f64::from(step) / f64::from(TRIED));
-    let possible: Vec<i32> =
-        (-TRIED..=TRIED).into_par_iter().filter(|step| fits(length(*step), knit.diameter())).collect();
+    let sensible = |step: &i32| length(*step) > knit.least_length() && knit.diameter() >= THINNEST * length(*step);
+    let lengths = || -> Vec<i32> {
+        let steps: Vec<i32> = (-TRIED..=TRIED).filter(sensible).collect();
+        steps.into_par_iter().filter(|step| fits(length(*step), knit.diameter())).collect()
+    };
+    // Take a thinner yarn.
+    let thinner = || {
+        let (mut low, mut high) = (0.0, knit.diameter());
+        for _ in 0..6 {
+            let middle = (low + high) / 2.0;
+            if fits(knit.loop_length, middle) { low = middle } else { high = middle }
+        }
+        low
+    };
+    let (possible, low) = rayon::join(lengths, thinner);
     let lengths = match (possible.first(), possible.last()) {
         (Some(first), Some(last)) => {
             format!("; `loop_length_mm` can be from about {:.3} to {:.3}", length(*first), length(*last))
         }
         _ => String::new(),
     };
-    // Take a thinner yarn.
-    let (mut low, mut high) = (0.0, knit.diameter());
-    for _ in 0..6 {
-        let middle = (low + high) / 2.0;
-        if fits(knit.loop_length, middle) { low = middle } else { high = middle }
-    }
     let diameters = if low > 0.0 {
         format!("at most a yarn of {:.0} µm fits", (1e3 * low).floor())
     } else {

@@ -4,13 +4,15 @@ use super::crossings::hooked;
 use super::energy::{Penalty, Room, Table};
 use super::minimise::minimise;
 use super::series::{Basis, Series};
-use crate::scene::Stitch;
+use crate::scene::{Stitch, THINNEST};
 use std::ops::Range;
 
 /// Axes are pushed this much farther apart than the yarn is thick, in diameters: what is left of the penalty's softness.
 const MARGIN: f64 = 0.006;
 /// Points of half a loop, times the diameter: between them the yarn comes nearer by 0.2 % of its diameter at most.
 const FINENESS: f64 = 4.5;
+/// Most of them: those of the thinnest yarn.
+const FINEST: f64 = 2.0 / THINNEST;
 /// Deepest overlap that counts as none, in diameters.
 pub const DEEPEST: f64 = 0.01;
 /// Deepest overlap of a yarn that grows on.
@@ -28,6 +30,9 @@ const STARTS: usize = 2;
 const LAYERS: [f64; 2] = [2.0, 3.0];
 const HEIGHTS: [f64; 3] = [0.7, 0.76, 0.82];
 const BULGES: [f64; 5] = [0.16, 0.18, 0.2, 0.22, 0.25];
+/// Lengths of the shorter loops that a long one of a rib may come from, and by how much they grow in a step.
+const SHORTER: [f64; 2] = [0.92, 0.84];
+const LENGTHENED: f64 = 0.01;
 /// Rounds of heavier and heavier penalties, and iterations of each at most.
 const ROUNDS: i32 = 5;
 const ITERATIONS: usize = 300;
@@ -58,8 +63,16 @@ impl Relaxed {
 /// diameter, and no two points come nearer than half of it: so yarns never pass through each other, and loops hang as
 /// they did.
 pub fn relax(stitch: Stitch, room: &Room) -> Result<Relaxed, f64> {
-    let half = (FINENESS / room.diameter).clamp(64.0, 256.0) as usize;
-    let table = Table::new(Basis::new(stitch), half);
+    let grown = relax_from_thin(stitch, room);
+    match (grown, stitch) {
+        (Err(largest), Stitch::Rib) => SHORTER.iter().find_map(|share| lengthened(stitch, room, *share)).ok_or(largest),
+        (grown, _) => grown,
+    }
+}
+
+/// Let a thin yarn grow on the first loops.
+fn relax_from_thin(stitch: Stitch, room: &Room) -> Result<Relaxed, f64> {
+    let table = Table::new(Basis::new(stitch), points(room));
     let mut largest: f64 = 0.0;
     for (series, clearance) in starts(&table, stitch, room) {
         match grow(&table, series, clearance, stitch, room) {
@@ -68,6 +81,32 @@ pub fn relax(stitch: Stitch, room: &Room) -> Result<Relaxed, f64> {
         }
     }
     Err(largest)
+}
+
+/// Relax a shorter loop of the same yarn, then give it more and more of it: the narrow wales of long loops leave a thin yarn
+/// no start that is right.
+fn lengthened(stitch: Stitch, room: &Room, share: f64) -> Option<Relaxed> {
+    let of =
+        |share: f64| Room { wale: room.wale / share, course: room.course / share, diameter: room.diameter / share };
+    let mut series = relax_from_thin(stitch, &of(share)).ok()?.series;
+    let table = Table::new(Basis::new(stitch), points(room));
+    let steps = ((1.0 - share) / LENGTHENED).ceil();
+    let mut multiplier = 0.0;
+    for step in 1..=steps as u32 {
+        let longer = of(share + (1.0 - share) * f64::from(step) / steps);
+        series.wale = longer.wale;
+        descend(&table, &mut series, &longer, 0..ROUNDS, &mut multiplier);
+        if table.least_distance(&table.points(&series), &longer) < (1.0 - LOOSE) * longer.diameter {
+            return None;
+        }
+    }
+    let relaxed = finish(&table, series, room);
+    relaxed.fits().then_some(relaxed)
+}
+
+/// Points of half a loop.
+fn points(room: &Room) -> usize {
+    (FINENESS / room.diameter).clamp(64.0, FINEST) as usize
 }
 
 /// Let a thin yarn grow on a loop whose axes are so far apart; none that is thicker than the error fits, about.
@@ -87,13 +126,18 @@ fn grow(table: &Table, mut series: Series, clearance: f64, stitch: Stitch, room:
         return Err(fitted);
     }
     descend(table, &mut series, room, 2..ROUNDS, &mut multiplier);
+    let relaxed = finish(table, series, room);
+    let hangs = stitch == Stitch::Rib || hooked(&relaxed.series, room.course, stitch);
+    if relaxed.fits() && hangs { Ok(relaxed) } else { Err(fitted / GROWTH) }
+}
+
+/// Give a loop its length, and see how far it keeps apart.
+fn finish(table: &Table, mut series: Series, room: &Room) -> Relaxed {
     lengthen(table, &mut series);
     let fine = Table::new(table.basis.clone(), 4 * table.half);
     let points = fine.points(&series);
     let clearance = fine.least_distance(&points, room) / room.diameter;
-    let relaxed = Relaxed { clearance, bend: fine.largest_curvature(&points) * room.diameter / 2.0, series };
-    let hangs = stitch == Stitch::Rib || hooked(&relaxed.series, room.course, stitch);
-    if relaxed.fits() && hangs { Ok(relaxed) } else { Err(fitted / GROWTH) }
+    Relaxed { clearance, bend: fine.largest_curvature(&points) * room.diameter / 2.0, series }
 }
 
 /// Lower the energy with heavier and heavier penalties.

@@ -40,7 +40,7 @@ impl<'a> Threads<'a> {
     /// [`Error::Scene`](crate::Error::Scene) at a line that cannot be understood.
     pub fn read(sections: &Sections<'a>, [section, colours, spacings]: [&'static str; 3]) -> Result<Threads<'a>> {
         let whole = |key| sections.named(section, key)?.map(|entry| sections.whole(&entry)).transpose();
-        let colours = sections.numbered(colours)?;
+        let colours = sections.counted(colours)?;
         let colours = colours.into_iter().map(|(number, entry)| Ok((number, sections.whole(&entry)?)));
         let unit = match sections.named(section, "Units")? {
             Some(entry) => Some(match entry.value.to_ascii_lowercase().as_str() {
@@ -53,7 +53,7 @@ impl<'a> Threads<'a> {
             None => None,
         };
         let spacing = sections.named(section, "Spacing")?;
-        let spacings = sections.numbered(spacings)?;
+        let spacings = sections.counted(spacings)?;
         for entry in spacing.iter().chain(spacings.values()) {
             sections.length(entry)?;
         }

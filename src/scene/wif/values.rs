@@ -49,16 +49,25 @@ impl<'a> Sections<'a> {
         Ok(found)
     }
 
+    /// The same where numbers count threads, treadles or picks, from 1.
+    ///
+    /// # Errors
+    /// Those of [`Sections::numbered`], and at the number 0: a file that counts from 0 would be another cloth here.
+    pub fn counted(&self, section: &str) -> Result<BTreeMap<u32, Entry<'a>>> {
+        let lines = self.numbered(section)?;
+        match lines.get(&0) {
+            Some(entry) => Err(self.at(entry, "numbers start at 1")),
+            None => Ok(lines),
+        }
+    }
+
     /// The lines of a section of threads, shafts or treadles by number, from 1, with the lists of numbers behind the sign.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) when a key or an item of a list is no number.
     pub fn lists(&self, section: &str, what: &str) -> Result<BTreeMap<u32, Numbers<'a>>> {
         let mut found = BTreeMap::new();
-        for (key, entry) in self.numbered(section)? {
-            if key == 0 {
-                return Err(self.at(&entry, "numbers start at 1"));
-            }
+        for (key, entry) in self.counted(section)? {
             let mut list = Vec::new();
             for item in entry.value.split(',').map(str::trim).filter(|item| !item.is_empty()) {
                 let Some(number) = number(item, MAX_SHAFT) else {

@@ -1,4 +1,5 @@
-//! Whether light takes the same way back: f(wi, wo) = f(wo, wi).
+//! Whether light takes the same way back: f(wi, wo) = f(wo, wi). Flights that start where light leaves a fiber do not, near faces
+//! and where densities change: then the residual holds that error of the model.
 
 use super::estimate::Component;
 use super::significance::chi_square_tail;

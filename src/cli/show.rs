@@ -1,9 +1,9 @@
 //! Numbers as text.
 
-use fiberwalk::bsdf::{Component, Estimate, Totals, hemispherical, reciprocity, totals};
+use fiberwalk::bsdf::{Component, Estimate, Residual, Totals, hemispherical, reciprocity, totals};
 use fiberwalk::goniometer::Incidence;
 use fiberwalk::measure::Measurement;
-use fiberwalk::scene::{Incident, Scene, Side};
+use fiberwalk::scene::{Incident, Medium, Model, Placement, Scene, Side};
 use std::fmt::Write;
 
 /// A value with its standard error, both to the error's second digit.
@@ -76,6 +76,15 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
 /// How reciprocal the light is: for each lit side and component, the channel that is least so.
 pub fn reciprocity_lines(scene: &Scene, measurement: &Measurement) -> String {
     let Measurement { goniometer, tally, .. } = measurement;
+    let Model { placement, medium, .. } = scene.model;
+    // Flights that are carried through fibers take another way back where densities change.
+    let carried = placement != Placement::AtHit && medium == Medium::Implicit;
+    let model = |residual: &Residual| match 100.0 * residual.error {
+        percent if carried => {
+            format!("; {percent:.1} % beyond noise are the error of placement \"{}\"", placement.name())
+        }
+        _ => String::new(),
+    };
     let mut text = String::new();
     for &side in &goniometer.sides {
         for (name, component) in [("reflection", Component::Reflection), ("transmission", Component::Transmission)] {
@@ -93,9 +102,10 @@ pub fn reciprocity_lines(scene: &Scene, measurement: &Measurement) -> String {
             let pairs = grouped(residual.pairs as u64);
             let _ = writeln!(
                 text,
-                "reciprocal: {} {name}{of}, χ² = {ratio:.2} for each of {pairs} pairs of cells, p = {:.2}",
+                "reciprocal: {} {name}{of}, χ² = {ratio:.2} for each of {pairs} pairs of cells, p = {:.2}{model}",
                 side.name(),
-                residual.probability
+                residual.probability,
+                model = model(&residual)
             );
         }
     }

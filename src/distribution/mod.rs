@@ -18,6 +18,8 @@
 //! - Directions are counted on a grid twice as fine as the one they are tabulated on; the cone of the paper is laid
 //!   around what was counted. Fibers of a cell that share one direction to 10⁻⁶ keep it exactly.
 //! - Of fibers that lie independently as many may overlap as cover 0.9 of a cell; more are refused.
+//! - Where flights start at exit points a cell has a factor of its rate: from its volume fraction, or from points thrown at
+//!   the fibers of the realizations, which tell how much of their surface and of the volume is free.
 //! - Fiber and direction are drawn together from one table, so kinds of fiber may share a direction.
 
 mod calculator;

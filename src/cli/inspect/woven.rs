@@ -5,6 +5,7 @@ use super::yarns::yarns;
 use super::{areal_mass, channels, light, results};
 use fiberwalk::Result;
 use fiberwalk::cloth::{Cloth, Shape, Statistics};
+use fiberwalk::distribution::Voids;
 use fiberwalk::measure::Prepared;
 use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
@@ -120,6 +121,16 @@ fn medium(scene: &Scene, prepared: &Prepared) -> String {
             scene.model.directions,
             gathering.realizations,
             100.0 * gathering.error,
+        );
+    }
+    if let Some(Voids { free_surface, covered, largest, error }) =
+        gathering.as_ref().and_then(|gathering| gathering.voids)
+    {
+        let _ = writeln!(
+            text,
+            "voids            {free_surface:.3} of the surface free, {covered:.3} of the volume covered, factor {largest:.2} at most \
+             ± {:.1} %",
+            100.0 * error
         );
     }
     if let Some(warning) = gathering.as_ref().and_then(|gathering| gathering.warning()) {

@@ -1,7 +1,7 @@
 //! What is going to be measured, and how.
 
 use super::super::show::grouped;
-use fiberwalk::distribution::{Gathering, SpecificLength};
+use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{ChosenEngine, Prepared, Stop};
@@ -51,6 +51,13 @@ fn woven(prepared: &Prepared, gathering: &Gathering) -> Vec<String> {
         format!("counted: {realizations} realizations, standard error of the densities {:.1} %", 100.0 * error),
     ];
     lines.extend(gathering.warning().map(|warning| format!("warning: {warning}")));
+    lines.extend(gathering.voids.map(|Voids { free_surface, covered, largest, error }| {
+        format!(
+            "voids: {free_surface:.3} of the fibers' surface lies in no other fiber, fibers cover {covered:.3} of the volume; the \
+             factor e/(1 − c) of a cell is at most {largest:.2}, its standard error {:.1} %",
+            100.0 * error
+        )
+    }));
     lines
 }
 

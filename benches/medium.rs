@@ -1,16 +1,18 @@
 //! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate]`, all presets
 //! and both packings without words.
 //!
-//! For each preset and packing, the explicit model is the reference. A row has one placement and one edge of the cells; R,
-//! T and direct light differ from the reference by so many percent of it (direct light: percent of the light that came),
-//! by incident direction; E is the difference of all scattered light without the noise of the walks, pooled over directions,
-//! exit cells and channels. The medium counts the same realizations that the reference walks through. The output is
-//! Markdown.
+//! For each preset and packing, walks through the fibers themselves are the reference; their row has the shares of light by
+//! direction. A row of the medium has one placement and one edge of the cells: by how many percent R and T (of the first
+//! channel) are off in the direction where they are off most, by how many percent of the incident light direct light is,
+//! by how many percent the number of hits is; E, the difference of all scattered light without the noise of the walks,
+//! pooled over directions, exit cells and channels, with its resolution. Then the same when the direct light is that of
+//! straight rays through the fibers and the walks share out the rest. The medium counts the realizations that the
+//! reference walks through. The output is Markdown.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use fiberwalk::bsdf::{Component, Totals, compare, totals, values};
+use fiberwalk::bsdf::{Component, Totals, compare, noise, totals, values};
 use fiberwalk::cloth::{Cloth, Realization, Realizer};
 use fiberwalk::distribution::{CellGrid, Effort, Element, SpecificLength};
 use fiberwalk::error::Result;
@@ -30,8 +32,9 @@ const DIRECTIONS: &str = "[[0, 0], [30, 20], [60, 0], [60, 45]]";
 const EXIT: &str = "8";
 /// Walks of each direction, through the fibers and through the medium.
 const WALKS: u64 = 196_608;
-/// Realizations that both have.
-const REALIZATIONS: u64 = 48;
+/// Realizations that both have, and of how many pieces each has to be for fewer to do.
+const REALIZATIONS: [u64; 2] = [48, 8];
+const LARGE: usize = 100_000;
 /// Edges of cells in radii of the thinnest fiber.
 const EDGES: [f64; 3] = [8.0, 4.0, 2.0];
 const PLACEMENTS: [Placement; 4] =
@@ -42,14 +45,19 @@ fn main() -> Result<()> {
     let named = |name: &str| words.iter().any(|word| word == name);
     let any = PRESETS.iter().any(|(name, _)| named(name));
     println!(
-        "Light from {DIRECTIONS}; {WALKS} walks of each direction, {REALIZATIONS} realizations, exit cells {EXIT} × {EXIT} on each \
-         side.\n\nBy direction: R, T in percent of the reference, direct light in percent of the incident light.\n"
+        "Light from {DIRECTIONS}; {WALKS} walks of each direction, {} realizations, {} of separate fibers in more than {LARGE} \
+         pieces; exit cells {EXIT} × {EXIT} on each side.\n",
+        REALIZATIONS[0], REALIZATIONS[1]
     );
+    println!(
+        "| preset | fibers | placement | cells | R | T | direct | hits | E % | with straight light: R | T | E % | KiB |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, _) in PRESETS.into_iter().filter(|(name, _)| !any || named(name)) {
         for (word, packing) in [("random", Packing::Random), ("separate", Packing::Separate)] {
             if named(word) || !(named("random") || named("separate")) {
                 if let Err(error) = study(name, word, packing) {
-                    println!("\n## {name}, {word}\n\n{error}\n");
+                    println!("| {name} | {word} | {error} ||||||||||");
                 }
             }
         }
@@ -66,26 +74,18 @@ fn study(name: &str, word: &str, packing: Packing) -> Result<()> {
     let goniometer = Goniometer::new(&scene.measure);
     let started = Instant::now();
     let realizer = Realizer::new(&scene, packing)?;
+    let first = realizer.draw(0)?;
+    let drawing = started.elapsed().as_secs_f64();
+    let large = first.pieces().len() > LARGE && packing == Packing::Separate;
+    let realizations = REALIZATIONS[usize::from(large)];
     let drawn: Arc<Vec<Realization>> =
-        Arc::new((0..REALIZATIONS).into_par_iter().map(|number| realizer.draw(number)).collect::<Result<_>>()?);
-    let drawing = started.elapsed().as_secs_f64() / REALIZATIONS as f64;
-    let (kept, each) = (drawn.clone(), WALKS as usize / REALIZATIONS as usize * goniometer.starts());
+        Arc::new((0..realizations).into_par_iter().map(|number| realizer.draw(number)).collect::<Result<_>>()?);
+    let (kept, each) = (drawn.clone(), WALKS as usize / realizations as usize * goniometer.starts());
     let explicit = Explicit::drawn(&scene, Some(each), move |number| Ok(kept[number as usize].clone()))?;
     let started = Instant::now();
     let reference = explicit.run(&goniometer, &WalkPlan::new(1, WALKS), &mut |_| {})?;
     let seconds = started.elapsed().as_secs_f64();
-    let bytes = explicit.bytes().iter().sum::<usize>();
-    println!("\n## {name}, {word}\n\n{}", first_lines(&reference, seconds, bytes, drawing));
-    if let Some(found) = explicit.clustering(&reference) {
-        let [r, t, d] = [found.reflectance, found.transmittance, found.direct].map(|factor| factor.max(1.0).sqrt());
-        println!(
-            "Errors of means over the directions are {r:.1} (R), {t:.1} (T), {d:.1} (direct) times those of independent walks.\n"
-        );
-    }
-    println!(
-        "| placement | cells | R % | T % | direct % | hits % | E % | resolution % | R' % | T' % | E' % | events | KiB | prepare s |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("{}", fibers(&format!("| {name} | {word}"), &reference, &explicit, [drawing, seconds]));
     let edges = if let Structure::Sheet(_) = &scene.structure { &EDGES[..1] } else { &EDGES[..] };
     let mut seed = 1;
     for placement in PLACEMENTS {
@@ -93,31 +93,33 @@ fn study(name: &str, word: &str, packing: Packing) -> Result<()> {
             seed += 1;
             scene.model.placement = placement;
             match row(&scene, &drawn, &goniometer, edge, seed, &reference) {
-                Ok(line) => println!("{line}"),
-                Err(error) => println!("| {} | {edge} R | {error} |||||||||", placement.name()),
+                Ok(line) => println!("| {name} | {word} {line}"),
+                Err(error) => println!("| {name} | {word} | {} | {edge} R | {error} |||||||||", placement.name()),
             }
         }
     }
     Ok(())
 }
 
-/// What the reference has.
-fn first_lines(reference: &Tally, seconds: f64, bytes: usize, drawing: f64) -> String {
+/// The row of the fibers: values by direction.
+fn fibers(label: &str, reference: &Tally, explicit: &Explicit, [drawing, seconds]: [f64; 2]) -> String {
     let of = |value: &dyn Fn(&Totals) -> f64| {
-        let one = |start| format!("{:.4}", value(&totals(reference, start, 0)));
+        let one = |start| format!("{:.3}", value(&totals(reference, start, 0)));
         (0..reference.starts()).map(one).collect::<Vec<_>>().join(" ")
     };
-    let (walks, hits) = (reference.counts.launched as f64, reference.counts.collisions as f64);
+    let walks = reference.counts.launched as f64;
+    let spread = explicit.clustering(reference).map_or(1.0, |found| {
+        [found.reflectance, found.transmittance, found.direct].into_iter().fold(1.0, f64::max).sqrt()
+    });
     format!(
-        "Explicit: R {}, T {}, direct {}; {:.2} hits and {:.0} tests a walk, {:.1e} walks/s; {:.1} MiB and {drawing:.2} s a \
-         realization.\n",
+        "{label} | fibers | | {} | {} | {} | {:.2} | noise {:.1} | errors × {spread:.1} | {drawing:.2} s to draw | {:.1e} walks/s | {} |",
         of(&|totals| totals.reflectance.value),
         of(&|totals| totals.transmittance.value),
         of(&|totals| totals.direct.value),
-        hits / walks,
-        reference.counts.tentative_events as f64 / walks,
+        reference.counts.collisions as f64 / walks,
+        100.0 * noise(reference),
         walks / seconds,
-        bytes as f64 / f64::from(1 << 20),
+        explicit.bytes().iter().sum::<usize>() / 1024,
     )
 }
 
@@ -130,7 +132,6 @@ fn row(
     seed: u64,
     reference: &Tally,
 ) -> Result<String> {
-    let started = Instant::now();
     let (tables, cells) = match &scene.structure {
         Structure::Sheet(_) => (prepare(scene)?.tables, "one".into()),
         Structure::Weave(_) | Structure::Knit(_) => {
@@ -146,34 +147,27 @@ fn row(
                 radii: &radii,
                 realize: &|number| Ok(drawn[number as usize].clone()),
             };
-            let effort = Effort::Realizations(REALIZATIONS);
+            let effort = Effort::Realizations(drawn.len() as u64);
             let (length, _) = SpecificLength::of_pieces(&element, &scene.model, effort, |_| {})?;
             (SamplingTables::new(scene, &length)?, format!("{edge} R"))
         }
     };
-    let seconds = started.elapsed().as_secs_f64();
     let tally =
         fiberwalk::walk::Engine::run(common::gpu(), &tables, goniometer, &WalkPlan::new(seed, WALKS), &mut |_| {})?;
     tally.check(WALKS)?;
     let comparison = compare(&tally, reference);
-    let by_direction = |value: &dyn Fn(&Totals) -> f64, relative: bool| {
+    let worst = |value: &dyn Fn(&Totals) -> f64, factor: &dyn Fn(usize) -> f64, relative: bool| {
         let one = |start| {
             let (here, there) = (value(&totals(&tally, start, 0)), value(&totals(reference, start, 0)));
-            format!("{:+.1}", 100.0 * (here - there) / if relative { there } else { 1.0 })
+            100.0 * (here * factor(start) - there) / if relative { there } else { 1.0 }
         };
-        (0..reference.starts()).map(one).collect::<Vec<_>>().join(" ")
+        let all = (0..reference.starts()).map(one);
+        format!("{:+.1}", all.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default())
     };
     // The same with the direct light of the reference.
     let factor = |start: usize| {
         let [here, there] = [&tally, reference].map(|tally| 1.0 - totals(tally, start, 0).direct.value);
         there / here
-    };
-    let scaled = |value: &dyn Fn(&Totals) -> f64| {
-        let one = |start| {
-            let (here, there) = (value(&totals(&tally, start, 0)), value(&totals(reference, start, 0)));
-            format!("{:+.1}", 100.0 * (here * factor(start) / there - 1.0))
-        };
-        (0..reference.starts()).map(one).collect::<Vec<_>>().join(" ")
     };
     let (mut excess, mut square) = (0.0f64, 0.0);
     for start in 0..tally.starts() {
@@ -191,19 +185,19 @@ fn row(
     }
     let scaled_error = (excess.max(0.0) / square).sqrt();
     let per_walk = |tally: &Tally| tally.counts.collisions as f64 / tally.counts.launched as f64;
+    let same = |_: usize| 1.0;
     Ok(format!(
-        "| {} | {cells} | {} | {} | {} | {:+.1} | {:.1} | {:.1} | {} | {} | {:.1} | {:.0} | {:.0} | {seconds:.1} |",
+        "| {} | {cells} | {} | {} | {} | {:+.1} | {:.1} ± {:.1} | {} | {} | {:.1} | {:.0} |",
         scene.model.placement.name(),
-        by_direction(&|totals| totals.reflectance.value, true),
-        by_direction(&|totals| totals.transmittance.value, true),
-        by_direction(&|totals| totals.direct.value, false),
+        worst(&|totals| totals.reflectance.value, &same, true),
+        worst(&|totals| totals.transmittance.value, &same, true),
+        worst(&|totals| totals.direct.value, &same, false),
         100.0 * (per_walk(&tally) / per_walk(reference) - 1.0),
         100.0 * comparison.error,
         100.0 * comparison.resolution,
-        scaled(&|totals| totals.reflectance.value),
-        scaled(&|totals| totals.transmittance.value),
+        worst(&|totals| totals.reflectance.value, &factor, true),
+        worst(&|totals| totals.transmittance.value, &factor, true),
         100.0 * scaled_error,
-        tally.counts.tentative_events as f64 / tally.counts.launched as f64,
         tables.bytes() as f64 / 1024.0,
     ))
 }

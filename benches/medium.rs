@@ -13,15 +13,17 @@
 mod common;
 
 use fiberwalk::bsdf::{Component, Totals, compare, noise, totals, values};
-use fiberwalk::cloth::{Cloth, Realization, Realizer};
+use fiberwalk::cloth::{Cloth, FiberGrid, Realization, Realizer, Way, Work};
 use fiberwalk::distribution::{CellGrid, Effort, Element, SpecificLength};
 use fiberwalk::error::Result;
 use fiberwalk::explicit::Explicit;
-use fiberwalk::goniometer::{Goniometer, Tally};
+use fiberwalk::goniometer::{Coverage, Goniometer, Origin, Tally};
 use fiberwalk::measure::prepare;
+use fiberwalk::optics::Encounter;
+use fiberwalk::reference::{Begun, walk_on};
 use fiberwalk::scene::{PRESETS, Packing, Placement, Scene, Source, Structure};
-use fiberwalk::tables::SamplingTables;
-use fiberwalk::walk::{WalkPlan, Walker};
+use fiberwalk::tables::{Kind, SamplingTables};
+use fiberwalk::walk::{EventDraws, Purpose, Score, WalkPlan, Walked, Walker, draw, start_draws, start_place};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -98,7 +100,58 @@ fn study(name: &str, word: &str, packing: Packing) -> Result<()> {
             }
         }
     }
+    for &edge in edges.iter().filter(|_| edges.len() > 1) {
+        seed += 1;
+        scene.model.placement = if packing == Packing::Random { Placement::Carried } else { Placement::CarriedVoid };
+        let handed = handed_on(&scene, &drawn, &goniometer, edge, seed)?;
+        let (placement, cells) = (scene.model.placement.name(), deviations(&handed, &reference, &goniometer, 0));
+        println!("| {name} | {word} | first hit on fibers, {placement} | {edge} R {cells}");
+    }
     Ok(())
+}
+
+/// Walks whose first hit is on a fiber of a realization, and whose later ones are in the medium.
+fn handed_on(scene: &Scene, drawn: &[Realization], goniometer: &Goniometer, edge: f64, seed: u64) -> Result<Tally> {
+    let (tables, _) = medium(scene, drawn, edge)?;
+    let plan = WalkPlan::new(seed, WALKS);
+    let each = WALKS / drawn.len() as u64;
+    let used = scene.kinds();
+    let through = |number: usize| -> Result<Vec<(usize, Score)>> {
+        let grid = FiberGrid::new(&drawn[number].fibers, drawn[number].period)?;
+        let one = |start: usize, i: u64| {
+            let id = WalkPlan::walk_id(goniometer.starts(), i, start);
+            let words = draw(seed, id, 0, Purpose::Start);
+            let m = -goniometer.start_direction(start, start_draws(words));
+            let face = if m.z < 0.0 { grid.span()[1] } else { grid.span()[0] };
+            let place = (start_place(words) * grid.period()).extend(face);
+            let mut begun = Begun { place, m, walked: Walked::default() };
+            begun.walked.record.bin = goniometer.exit_bin(goniometer.side(start), m, false) as u32;
+            if let Way::Fiber { tube, point, meeting } = grid.first_entry(place, m, None, &mut Work::default()) {
+                let piece = &grid.tubes()[tube];
+                let kind = used.iter().position(|&kind| kind == piece.kind()).unwrap_or_default();
+                let number = EventDraws::new(draw(seed, id, 0, Purpose::Event)).accept;
+                let encounter = Encounter::new(m, piece.direction(), meeting.offset, tables.kinds[kind].ior);
+                let passage = encounter.pass(number, tables.half_length);
+                begun.m = passage.direction.normalize();
+                begun.place = point + passage.displacement * piece.radius();
+                (begun.walked.record.events, begun.walked.record.hits) = (1, 1);
+                begun.walked.lengths[kind] = passage.path * piece.radius();
+                begun.walked = walk_on(&tables, goniometer, &plan, start, i, begun);
+            }
+            (start, Score::new(&begun.walked, &tables.kinds, goniometer, seed, start, i))
+        };
+        let own = number as u64 * each..(number as u64 + 1) * each;
+        let walks = (0..goniometer.starts()).flat_map(|start| own.clone().map(move |i| (start, i)));
+        Ok(walks.map(|(start, i)| one(start, i)).collect())
+    };
+    let parts: Vec<Vec<(usize, Score)>> = (0..drawn.len()).into_par_iter().map(through).collect::<Result<_>>()?;
+    let origin = Origin { engine: "cpu".into(), adapter: "f64".into(), seed };
+    let channels = Kind::channels(&tables.kinds);
+    let mut tally = Tally::new(origin.clone(), goniometer.layout(), goniometer.starts(), channels);
+    parts.iter().flatten().for_each(|(start, score)| score.add_to(&mut tally, *start));
+    tally.coverage = Coverage::new(origin, 0..WALKS);
+    tally.check(WALKS)?;
+    Ok(tally)
 }
 
 /// The row of the fibers: values by direction.
@@ -132,7 +185,17 @@ fn row(
     seed: u64,
     reference: &Tally,
 ) -> Result<String> {
-    let (tables, cells) = match &scene.structure {
+    let (tables, cells) = medium(scene, drawn, edge)?;
+    let tally =
+        fiberwalk::walk::Engine::run(common::gpu(), &tables, goniometer, &WalkPlan::new(seed, WALKS), &mut |_| {})?;
+    tally.check(WALKS)?;
+    let (name, kib) = (scene.model.placement.name(), tables.bytes() / 1024);
+    Ok(format!("| {name} | {cells} {}", deviations(&tally, reference, goniometer, kib)))
+}
+
+/// The tables of a medium that counts all that were drawn, and a word for its cells.
+fn medium(scene: &Scene, drawn: &[Realization], edge: f64) -> Result<(SamplingTables, String)> {
+    Ok(match &scene.structure {
         Structure::Sheet(_) => (prepare(scene)?.tables, "one".into()),
         Structure::Weave(_) | Structure::Knit(_) => {
             let cloth = Cloth::new(scene)?;
@@ -151,14 +214,15 @@ fn row(
             let (length, _) = SpecificLength::of_pieces(&element, &scene.model, effort, |_| {})?;
             (SamplingTables::new(scene, &length)?, format!("{edge} R"))
         }
-    };
-    let tally =
-        fiberwalk::walk::Engine::run(common::gpu(), &tables, goniometer, &WalkPlan::new(seed, WALKS), &mut |_| {})?;
-    tally.check(WALKS)?;
-    let comparison = compare(&tally, reference);
+    })
+}
+
+/// How far a tally is from that of the fibers.
+fn deviations(tally: &Tally, reference: &Tally, goniometer: &Goniometer, kib: usize) -> String {
+    let comparison = compare(tally, reference);
     let worst = |value: &dyn Fn(&Totals) -> f64, factor: &dyn Fn(usize) -> f64, relative: bool| {
         let one = |start| {
-            let (here, there) = (value(&totals(&tally, start, 0)), value(&totals(reference, start, 0)));
+            let (here, there) = (value(&totals(tally, start, 0)), value(&totals(reference, start, 0)));
             100.0 * (here * factor(start) - there) / if relative { there } else { 1.0 }
         };
         let all = (0..reference.starts()).map(one);
@@ -166,7 +230,7 @@ fn row(
     };
     // The same with the direct light of the reference.
     let factor = |start: usize| {
-        let [here, there] = [&tally, reference].map(|tally| 1.0 - totals(tally, start, 0).direct.value);
+        let [here, there] = [tally, reference].map(|tally| 1.0 - totals(tally, start, 0).direct.value);
         there / here
     };
     let (mut excess, mut square) = (0.0f64, 0.0);
@@ -174,7 +238,7 @@ fn row(
         for component in [Component::Reflection, Component::Transmission] {
             for channel in 0..tally.channels() {
                 let [here, there] =
-                    [&tally, reference].map(|tally| values(tally, goniometer, component, start, channel));
+                    [tally, reference].map(|tally| values(tally, goniometer, component, start, channel));
                 for (here, there) in here.iter().zip(&there) {
                     let (value, error) = (here.value * factor(start), here.stderr * factor(start));
                     excess += (value - there.value).powi(2) - error * error - there.stderr * there.stderr;
@@ -186,18 +250,16 @@ fn row(
     let scaled_error = (excess.max(0.0) / square).sqrt();
     let per_walk = |tally: &Tally| tally.counts.collisions as f64 / tally.counts.launched as f64;
     let same = |_: usize| 1.0;
-    Ok(format!(
-        "| {} | {cells} | {} | {} | {} | {:+.1} | {:.1} ± {:.1} | {} | {} | {:.1} | {:.0} |",
-        scene.model.placement.name(),
+    format!(
+        "| {} | {} | {} | {:+.1} | {:.1} ± {:.1} | {} | {} | {:.1} | {kib} |",
         worst(&|totals| totals.reflectance.value, &same, true),
         worst(&|totals| totals.transmittance.value, &same, true),
         worst(&|totals| totals.direct.value, &same, false),
-        100.0 * (per_walk(&tally) / per_walk(reference) - 1.0),
+        100.0 * (per_walk(tally) / per_walk(reference) - 1.0),
         100.0 * comparison.error,
         100.0 * comparison.resolution,
         worst(&|totals| totals.reflectance.value, &factor, true),
         worst(&|totals| totals.transmittance.value, &factor, true),
         100.0 * scaled_error,
-        tables.bytes() as f64 / 1024.0,
-    ))
+    )
 }

@@ -390,7 +390,8 @@ fn a_cloth_file_beyond_ascii_survives_byte_for_byte() {
 fn the_model_is_told_with_its_defaults() {
     let model = |length: Value| {
         json!({
-            "tracking": "null-collision", "placement": "at-hit", "packing": "random", "directions": 1024, "length_over_radius": length,
+            "medium": "implicit", "tracking": "null-collision", "placement": "at-hit", "packing": "random",
+            "direct": "walks", "directions": 1024, "length_over_radius": length,
         })
     };
     let preset = Measured::listed();

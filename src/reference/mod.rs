@@ -17,4 +17,4 @@ mod medium;
 mod walk;
 
 pub use engine::Reference;
-pub use walk::{Replay, replay};
+pub use walk::{Begun, Replay, replay, walk_on};

@@ -12,7 +12,7 @@ use crate::tables::{Kind, SamplingTables};
 use crate::walk::{
     EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Sees how near each decision of a walk was to falling the other way.
 pub(super) trait Witness {
@@ -65,19 +65,56 @@ pub(super) fn walk(
     let id = WalkPlan::walk_id(goniometer.starts(), i, start);
     let lit = goniometer.side(start);
     let words = draw(plan.seed, id, 0, Purpose::Start);
-    let mut m = -goniometer.start_direction(start, start_draws(words));
+    let m = -goniometer.start_direction(start, start_draws(words));
     // A hit lies up to a radius beyond the faces when it belongs to its fiber's axis.
     let beyond = tables.carry.map_or(0.0, |carry| carry.radius);
     let z = if lit == Side::Front { beyond } else { -tables.thickness - beyond };
+    let period = tables.cells.as_ref().map_or(DVec2::splat(tables.thickness), |cells| cells.grid.period);
+    let begun = Begun { place: (start_place(words) * period).extend(z), m, walked: Walked::default() };
+    go_on(tables, goniometer, plan, (start, i), begun, witness)
+}
+
+/// A walk that is under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Begun {
+    /// Where its next flight sets out, in mm.
+    pub place: DVec3,
+    /// Where to.
+    pub m: DVec3,
+    /// How it went so far.
+    pub walked: Walked,
+}
+
+/// Let a walk go on through the medium that has begun elsewhere; its events have been drawn up to those it counts.
+pub fn walk_on(
+    tables: &SamplingTables,
+    goniometer: &Goniometer,
+    plan: &WalkPlan,
+    start: usize,
+    i: u64,
+    begun: Begun,
+) -> Walked {
+    go_on(tables, goniometer, plan, (start, i), begun, &mut Blind)
+}
+
+fn go_on(
+    tables: &SamplingTables,
+    goniometer: &Goniometer,
+    plan: &WalkPlan,
+    (start, i): (usize, u64),
+    begun: Begun,
+    witness: &mut impl Witness,
+) -> Walked {
+    let Begun { place, mut m, mut walked } = begun;
+    let (id, lit) = (WalkPlan::walk_id(goniometer.starts(), i, start), goniometer.side(start));
     let homogeneous = CellGrid::homogeneous(tables.thickness);
     let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
-    let station = Station::start(grid, (start_place(words) * grid.period).extend(z));
+    let station = Station::start(grid, place);
     witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
     let mut flight = Flight::new(station);
     let roulette = plan.roulette && tables.absorbing();
-    let mut walked = Walked::default();
     let layout = goniometer.layout();
-    for event in 0..plan.max_events {
+    for event in walked.record.events..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
         walked.record.events = event + 1;
         let (share, list) = match flight.event(tables, grid, m, &draws, witness) {

@@ -122,7 +122,9 @@ fn straight_light_comes_through_by_the_law_of_overlapping_fibers() {
         let realizer = realizer(cloth);
         let realize = |number: u64| realizer.draw(number).expect("nothing is refused").pieces();
         let (found, error) = openness(&realize, 48, realizer.period(), ray(theta, 20.0), 256);
-        (found - f64::exp(-depth / theta.to_radians().cos())) / error
+        let stated = f64::exp(-depth / theta.to_radians().cos());
+        println!("{theta}°: {found:.5} ± {error:.5}, stated {stated:.5}");
+        (found - stated) / error
     };
     let sheet =
         |density: f64, orientation: &str, thickness_um: f64| Cloth { thickness_um, ..Cloth::new(density, orientation) };

@@ -1,7 +1,8 @@
 //! The explicit cloth: the geometry that the distribution calculator counts (paper §5).
 //!
-//! Computes: the axes of the threads of one repeat of a weave or a knit, and random draws of all their fibers as straight
-//! pieces.
+//! Computes: the axes of the threads of one repeat of a weave or a knit, and random draws of all their fibers, whole and as
+//! straight pieces; the same for an element of a sheet ([`Realizer`]). Fibers of a draw can be pushed apart
+//! ([`Realization::separate`]).
 //!
 //! Inputs: a checked scene with a `[weave]` or a `[knit]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
 //! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.
@@ -19,7 +20,7 @@
 //! - Loops of a knit bend as little as they can at the stated density and loop length, with their axes a diameter apart
 //!   wherever yarns meet. Their sections stand across the axis; contact takes them as circles of the mean diameter.
 //! - Fibers fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),
-//!   so they may overlap. Loops of fibers follow the bends of their yarn, and so do hairs of a weave; hairs of a knit stand
+//!   so they may overlap if they are not pushed apart. Loops of fibers follow the bends of their yarn, and so do hairs of a weave; hairs of a knit stand
 //!   on the tangent of their yarn where they leave it. Nothing keeps them out of other yarns.
 //! - Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random place, and
 //!   there its fibers jump.

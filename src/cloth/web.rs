@@ -5,13 +5,17 @@
 //!
 //! Inputs: a checked [`Sheet`] and the kinds of fiber; lengths in mm.
 //!
-//! A fiber of the direction p is as long as its projection on the plane is one period, so it never lies over its own image.
-//! Its middle lies anywhere in a layer that is higher than the sheet by its own height, and there are as many middles in a
-//! volume as make the stated length: then every depth has its share of every direction, steep or flat. What sticks out of the
-//! sheet is cut off. Fibers that are not steep enough to cross the sheet end inside: there are 2 sin θ / period ends on a mm of fiber at the
-//! angle θ to the normal, one in 250 radii of flat fibers at most. Fibers along an axis of the element end where they begin.
+//! A fiber of the direction p is as long as its projection on the plane is one period, so it never lies over its own
+//! image. Its middle lies anywhere in a layer that is higher than the sheet by its own height, and there are as many
+//! middles in a volume as make the stated length: then every depth has its share of every direction, steep or flat. What
+//! sticks out of the sheet is cut off. Fibers that are not steep enough to cross the sheet end inside: on a mm of fiber at
+//! the angle θ to the normal there are 2 sin θ / period ends at most, one in 125 radii of flat fibers. Fibers along x or y
+//! end where they begin.
 //!
-//! The period is 500 radii of the thickest fiber, or more where the element would have few pieces.
+//! The period is 250 radii of the thickest fiber, or more where the element would have few pieces. A ray of a general
+//! direction that has met a fiber hardly meets an image of it: straight light comes through as through fibers that are all
+//! independent, at 60° through a sheet 1.2 periods thick as well (`tests/webs.rs`). Steep fibers of exactly one
+//! direction, seen along the plane of it and x or y, are an exception: their images stand behind each other.
 //!
 //! Differs from the paper: it has no sheets.
 

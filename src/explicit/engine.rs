@@ -2,7 +2,7 @@
 
 use super::clustering::{Clustering, Fates};
 use super::walk::{Bodies, walk};
-use crate::cloth::{FiberGrid, Realizer};
+use crate::cloth::{FiberGrid, Realization, Realizer};
 use crate::error::Result;
 use crate::goniometer::{Coverage, Goniometer, Origin, Tally};
 use crate::scene::Scene;
@@ -16,9 +16,12 @@ const FEWEST_WALKS: usize = 4096;
 /// Bytes of a realization that are worth one more walk through it.
 const BYTES_PER_WALK: usize = 256;
 
+/// Draws a realization from its number.
+type Draw = Box<dyn Fn(u64) -> Result<Realization> + Send + Sync>;
+
 /// The fibers of a cloth, as light meets them.
 pub struct Explicit {
-    realizer: Realizer,
+    draw: Draw,
     kinds: Vec<Kind>,
     places: Vec<usize>,
     half_length: f64,
@@ -36,18 +39,31 @@ impl Explicit {
     /// to be, or there are too many.
     pub fn new(scene: &Scene) -> Result<Explicit> {
         let realizer = Realizer::new(scene, scene.model.packing)?;
-        let first = draw(&realizer, 0)?;
+        Explicit::drawn(scene, None, move |number| realizer.draw(number))
+    }
+
+    /// Fibers of the kinds of a scene that `draw` draws from the number of a realization, each with so many walks, all starts
+    /// together; if that is not said, with more the larger it is.
+    ///
+    /// # Errors
+    /// Those of `draw`; [`Error::Input`](crate::Error::Input) when there are too many fibers.
+    pub fn drawn(
+        scene: &Scene,
+        walks_per_realization: Option<usize>,
+        draw: impl Fn(u64) -> Result<Realization> + Send + Sync + 'static,
+    ) -> Result<Explicit> {
+        let first = sorted(&draw(0)?)?;
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
-        let pieces = first.tubes().len();
+        let by_size = FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK);
         Ok(Explicit {
-            realizer,
+            draw: Box::new(draw),
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
-            walks_per_realization: FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK),
+            walks_per_realization: walks_per_realization.unwrap_or(by_size),
             bytes: first.bytes(),
-            pieces,
+            pieces: first.tubes().len(),
             fates: Mutex::new(Vec::new()),
         })
     }
@@ -80,7 +96,7 @@ impl Explicit {
 
     /// The walks of a plan that go through one realization, each with its start.
     fn walk_through(&self, goniometer: &Goniometer, plan: &WalkPlan, number: u64) -> Result<Vec<(usize, Score)>> {
-        let grid = draw(&self.realizer, number)?;
+        let grid = sorted(&(self.draw)(number)?)?;
         let bodies = Bodies { grid: &grid, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
         let each = self.walks_of_start(goniometer.starts());
         let walks = plan.walks();
@@ -96,8 +112,7 @@ impl Explicit {
     }
 }
 
-fn draw(realizer: &Realizer, number: u64) -> Result<FiberGrid> {
-    let realization = realizer.draw(number)?;
+fn sorted(realization: &Realization) -> Result<FiberGrid> {
     FiberGrid::new(&realization.fibers, realization.period)
 }
 

@@ -5,23 +5,25 @@
 //! Inputs: a [`Realization`]; lengths in mm.
 //!
 //! Method: position-based dynamics (Müller, Heidelberger, Hennix, Ratcliff, "Position based dynamics", 2007) on the corners
-//! of the fibers, cut to pieces of at most 6 radii. In a sweep each two pieces that are nearer than the sum of their radii and
-//! 2 % ask their corners to move apart by half of what is missing each, along the line of their nearest points and weighted
-//! by how near these are to a corner. A corner takes the mean of what it is asked for, one and a half times, spread over its two neighbours
-//! along the fiber by (1, 2, 1)/4 so that fibers do not kink, and half of its last step besides. Axes stay inside the slab, inside by their radius where all
-//! were; ends on a face stay on it. It ends when the deepest overlap is below 2 % of the sum of the radii.
+//! of the fibers, cut to pieces of at most 6 radii. In a sweep each two pieces that are nearer than the sum of their radii
+//! and 2 % ask their corners to move apart by half of what is missing each, along the line of their nearest points, weighted
+//! by how near these are to a corner. A corner takes the mean of what it is asked for one and a half times, spread over
+//! its neighbours along the fiber by (1, 2, 1)/4 so that fibers do not kink, and half of its last step besides. Axes stay
+//! in the slab, and inside by their radius where all were; ends on a face stay on it. Sweeps end when the deepest overlap is
+//! below 2 % of the sum of the radii: then fibers cover more than 0.999 of their volume in all presets
+//! (`cargo bench --bench packing`).
 //!
-//! The result is a function of the fibers alone: a corner adds up what it is asked for in a fixed order.
+//! The result is a function of the fibers alone: each corner adds up what it is asked for in a fixed order.
 //!
 //! Differs from position-based dynamics:
 //! - All contacts are looked at in one step and averaged, where the paper goes from one to the next: so the work can be
 //!   shared out, and no order is preferred.
-//! - Nothing holds the length of a piece or the bend at a corner: fibers move across themselves, little, and lengths
-//!   grow by what tests state.
+//! - Nothing holds the length of a piece or the bend at a corner: fibers move across themselves, and little. Yarns of
+//!   voile spread by 5 % and their fibers get 0.8 % longer (`tests/packing.rs`).
 //! - Lists of neighbours are made anew after six sweeps at the earliest. A contact may be missed meanwhile, but the end is
 //!   decided on fresh lists with exact distances.
-//! - Ends that face each other, as where a thread is cut, do not touch within two radii. Pieces of one fiber that are nearer
-//!   than four radii along it do not, either.
+//! - Ends that face each other, as where a thread is cut, do not touch within two radii. Neither do pieces of one fiber that
+//!   are nearer than four radii along it.
 
 mod chains;
 mod contact;

@@ -124,7 +124,8 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
     for (name, weave, walks) in
         [("voile", weaves::VOILE, 4_000_000), ("coarse voile", coarse, 4_000_000), ("denim", weaves::DENIM, 1_000_000)]
     {
-        let tables = Rc::new(weave.tables(Placement::AtHit));
+        let specific_length = weave.specific_length();
+        let tables = Rc::new(weaves::tables(&specific_length, Placement::AtHit));
         if let Some(cells) = &tables.cells {
             let empty =
                 cells.entries.iter().filter(|cell| cell.share == 0.0).count() as f64 / cells.entries.len() as f64;
@@ -145,7 +146,7 @@ fn weave_cases(gpu: Option<&Gpu>) -> Vec<Case<'_>> {
             ("carried-void", Placement::CarriedVoid),
         ];
         for (word, placement) in placements {
-            let (name, tables) = (format!("gpu, {name}, {word}"), Rc::new(weave.tables(placement)));
+            let (name, tables) = (format!("gpu, {name}, {word}"), Rc::new(weaves::tables(&specific_length, placement)));
             cases.push(Case { name, tables, ..case("", Some(gpu), walks) });
         }
         let name_of_table = format!("gpu, {name}, tabulated");

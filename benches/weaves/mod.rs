@@ -70,7 +70,7 @@ impl Weave {
     }
 
     /// Cut into cells, with a list for each yarn system and slope.
-    pub fn tables(&self, placement: Placement) -> SamplingTables {
+    pub fn specific_length(&self) -> SpecificLength {
         let thickness = 2.0 * (self.height + self.half[1]);
         let period = DVec2::splat(self.spacing * self.draft.len() as f64);
         let cells = CellGrid { counts: self.counts, period, thickness };
@@ -86,10 +86,7 @@ impl Weave {
             }
         }
         let values = cells.places().map(|place| self.cell(&cells, place)).collect();
-        let specific_length = SpecificLength { grid, cells, values, lists, spread_error: 0.0 };
-        let mut scene = scene();
-        scene.model.placement = placement;
-        SamplingTables::new(&scene, &specific_length).unwrap_or_else(|error| panic!("{error}"))
+        SpecificLength { grid, cells, values, lists, spread_error: 0.0 }
     }
 
     /// Average over 6³ places of a cell.
@@ -112,6 +109,13 @@ impl Weave {
         let placement = 1.0 / (1.0 - PI * 0.0065 * surface);
         Cell { surface, placement, list: step as u32 + if warp { 0 } else { 5 } }
     }
+}
+
+/// The tables of a placement.
+pub fn tables(specific_length: &SpecificLength, placement: Placement) -> SamplingTables {
+    let mut scene = scene();
+    scene.model.placement = placement;
+    SamplingTables::new(&scene, specific_length).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// One kind of fiber, in whatever sheet.

@@ -1,6 +1,5 @@
 //! Cuts of the work, counters near their ends, walks that are given up.
 
-
 use super::common::stats::{GATE, binomial_z};
 use super::common::{Cloth, aligned, assert_ran, engines, gpu};
 use fiberwalk::Error;

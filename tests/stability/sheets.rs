@@ -2,7 +2,7 @@
 
 use super::common::stats::mean_error;
 use super::common::{Cloth, ISOTROPIC, assert_ran, engines, gpu};
-use super::table::{Found, METHODS, NULL, TABULATED, fails, right, scattered, setup, track, walks};
+use super::table::{Found, METHODS, NULL, TABULATED, fails, right, scattered, section, setup, track, walks};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::reference::replay;
@@ -35,6 +35,7 @@ fn hits(name: &str, setup: &(SamplingTables, Goniometer), seed: u64, walks: u64,
 /// Fournier, "An invariance property of diffusive random walks", Europhysics Letters 61, 2003): 2 H d hits.
 #[test]
 fn diffuse_light_hits_as_many_fibers_as_the_sheet_is_deep() {
+    section("Diffuse light in deep lossless sheets");
     for (depth, usual, seed) in [(30.0, 20_000, 5000), (1000.0, 2_000, 5100)] {
         let regime = format!("optical depth {depth}: mean number of hits");
         let cloth = deep(depth).lit_from("1");
@@ -58,6 +59,7 @@ fn diffuse_light_hits_as_many_fibers_as_the_sheet_is_deep() {
 /// 1/T of deep sheets without absorption is linear in their depth.
 #[test]
 fn the_transmittance_of_deep_sheets_falls_as_their_depth() {
+    section("Transmittance of deep lossless sheets");
     for (method, seed) in METHODS.iter().zip((5300..).step_by(10)) {
         let sheet = |depth: f64| setup(&method.of(&deep(depth).lit_from("[[20, 30]]")));
         let through = |name: &str, depth: f64, seed: u64, n: u64| {
@@ -81,7 +83,7 @@ fn the_transmittance_of_deep_sheets_falls_as_their_depth() {
             Found { value: count / n, z }
         };
         let gpu = found(through("gpu", 1000.0, seed + 2, walks(3000)));
-        let cpu = found(through("cpu", 1000.0, seed + 3, walks(1000)));
-        right("optical depth 1000: share transmitted", method.name, 1.0 / inverse, Some(gpu), Some(cpu));
+        let cpu = (method.name == NULL.name).then(|| found(through("cpu", 1000.0, seed + 3, walks(2500))));
+        right("optical depth 1000: share transmitted", method.name, 1.0 / inverse, Some(gpu), cpu);
     }
 }

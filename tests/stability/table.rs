@@ -69,17 +69,13 @@ impl Found {
     pub fn share(count: u64, walks: u64, probability: f64) -> Found {
         Found { value: count as f64 / walks as f64, z: binomial_z(count, walks, probability) }
     }
-
-    fn cells(&self) -> String {
-        format!("{} | {:.1}", number(self.value), self.z)
-    }
 }
 
 /// As a row has it.
 pub fn number(value: f64) -> String {
     let size = value.abs();
-    if size.fract() < 1e-9 && size < 1e5 {
-        format!("{value:.0}")
+    if (size - size.round()).abs() < 1e-9 && size < 1e5 {
+        format!("{}", size.round().copysign(value))
     } else if (1e-3..1e3).contains(&size) {
         format!("{value:.4}")
     } else {
@@ -87,7 +83,20 @@ pub fn number(value: f64) -> String {
     }
 }
 
-fn row(cells: &[&str]) {
+/// A number of which only the size matters.
+fn size(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
+}
+
+/// What is found on a page of its own.
+pub fn section(title: &str) {
+    let names = ["regime", "method", "independent", "gpu", "z", "cpu", "z", "verdict"];
+    print!("\n### {title}\n| {} |\n|{}\n", names.join(" | "), "---|".repeat(names.len()));
+}
+
+fn row(regime: &str, method: &str, independent: &str, found: [&str; 4], verdict: &str) {
+    let cells = [&[regime, method, independent], &found[..], &[verdict]].concat();
+    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
     // One call: tests run beside each other.
     print!("\n| {} |\n", cells.join(" | "));
 }
@@ -96,40 +105,52 @@ fn row(cells: &[&str]) {
 pub fn right(regime: &str, method: &str, independent: f64, gpu: Option<Found>, cpu: Option<Found>) {
     static MADE: AtomicUsize = AtomicUsize::new(0);
     let found: Vec<Found> = [gpu, cpu].into_iter().flatten().collect();
-    let cells = |found: Option<Found>| found.map_or("— | —".into(), |found| found.cells());
-    row(&[regime, method, &number(independent), &cells(gpu), &cells(cpu), "right"]);
-    assert!(MADE.fetch_add(found.len(), Ordering::Relaxed) + found.len() <= FAMILY, "the gate is for fewer comparisons");
+    let value = |found: Option<Found>| found.map_or("—".into(), |found| number(found.value));
+    let z = |found: Option<Found>| found.map_or("—".into(), |found| format!("{:.1}", found.z));
+    row(regime, method, &number(independent), [&value(gpu), &z(gpu), &value(cpu), &z(cpu)], "right");
+    assert!(
+        MADE.fetch_add(found.len(), Ordering::Relaxed) + found.len() <= FAMILY,
+        "the gate is for fewer comparisons"
+    );
     assert!(found.iter().all(|found| found.z.abs() < GATE), "{regime}, {method}: {found:?} for {independent}");
 }
 
 /// The weak method must not find it.
 pub fn fails(regime: &str, weak: &str, independent: f64, found: Found) {
-    row(&[regime, &format!("*{weak}*"), &number(independent), "— | —", &found.cells(), "*fails*"]);
+    let (value, z) = (number(found.value), format!("{:.1}", found.z));
+    row(regime, &format!("*{weak}*"), &number(independent), ["—", "—", &value, &z], "*fails*");
     assert!(found.z.is_nan() || found.z.abs() > 2.0 * GATE, "{regime}, {weak}: {found:?} passes");
 }
 
 /// An error that is no matter of chance, and what it may be.
-pub fn within(regime: &str, method: &str, error: f64, bound: f64) {
-    row(&[regime, method, &format!("off by ≤ {bound:.0e}"), "— | —", &format!("{error:.0e} | —"), "right"]);
-    assert!(error <= bound, "{regime}, {method}: off by {error:e}, allowed {bound:e}");
+pub fn within(regime: &str, method: &str, [gpu, cpu]: [Option<f64>; 2], bound: f64) {
+    let cell = |error: Option<f64>| error.map_or("—".into(), size);
+    row(regime, method, &format!("0, ± {}", size(bound)), [&cell(gpu), "—", &cell(cpu), "—"], "right");
+    let fine = [gpu, cpu].into_iter().flatten().all(|error| error.abs() <= bound);
+    assert!(fine, "{regime}, {method}: off by {gpu:?}, {cpu:?}, allowed {bound:e}");
 }
 
 /// The weak method's error is far beyond.
 pub fn beyond(regime: &str, weak: &str, error: f64, bound: f64) {
-    let weak = format!("*{weak}*");
-    row(&[regime, &weak, &format!("off by ≤ {bound:.0e}"), "— | —", &format!("{error:.0e} | —"), "*fails*"]);
+    row(regime, &format!("*{weak}*"), &format!("0, ± {}", size(bound)), ["—", "—", &size(error), "—"], "*fails*");
     assert!(error.is_nan() || error > 10.0 * bound, "{regime}, {weak}: off by {error:e} only");
 }
 
 /// What cannot be right is refused.
 pub fn refused(regime: &str, method: &str, message: &str, expected: &str) {
-    row(&[regime, method, "—", "— | —", "— | —", &format!("refused: “{message}”")]);
+    row(regime, method, "—", ["—"; 4], &format!("refused: “{message}”"));
     assert!(message.contains(expected), "{regime}, {method}: {message}");
 }
 
-/// A line under the table.
+/// What is right in a sense that the user must know of comes with a note.
+pub fn said(regime: &str, method: &str, message: &str, expected: &str) {
+    row(regime, method, "—", ["—"; 4], &format!("says: “{message}”"));
+    assert!(message.contains(expected), "{regime}, {method}: {message}");
+}
+
+/// A line under the rows.
 pub fn note(text: &str) {
-    print!("\nnote: {text}\n");
+    print!("\n> {text}\n\n");
 }
 
 /// The tables of a sheet and its instrument.

@@ -45,8 +45,8 @@ fn reach_ahead(place: vec3f, m: vec3f) -> u32 {
     return cell_entry(fold_cell(floor(place + ahead(m * P.per_edge.xyz)))).w;
 }
 
-/// Fly through one event on the surfaces of fibers.
-fn fly_carried(ray: vec4f, across: vec2f, reach: u32, path: f32) -> Site {
+/// Fly through one event on the surfaces of fibers; a sheet lies between the heights of `slab`.
+fn fly_carried(ray: vec4f, across: vec2f, reach: u32, slab: vec2f, path: f32) -> Site {
     let m = ray.xyz;
     if CELLS {
         let speed = m * P.per_edge.xyz;
@@ -61,15 +61,16 @@ fn fly_carried(ray: vec4f, across: vec2f, reach: u32, path: f32) -> Site {
         }
         return Site(place.z, place.xy, inside, inside, factor, entry.z, entry.w, 0.0);
     }
-    let low = -P.thickness - P.carry.z;
-    let begin = enter(vec3f(0.0, 0.0, ray.w), m, low, P.carry.z);
+    let low = slab.x - P.carry.z;
+    let high = slab.y + P.carry.z;
+    let begin = enter(vec3f(0.0, 0.0, ray.w), m, low, high);
     let z = begin.z + m.z * path;
-    let inside = z <= P.carry.z && z >= low;
+    let inside = z <= high && z >= low;
     return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0);
 }
 
 /// The share of the majorant's events that the cell of a fiber's axis takes; `normal` leads from the axis to the hit, in mm.
-fn share_of_axis(place: vec3f, normal: vec3f) -> f32 {
+fn share_of_axis(place: vec3f, normal: vec3f, slab: vec2f) -> f32 {
     if CELLS {
         let axis = place - normal * P.per_edge.xyz;
         let share = bitcast<f32>(cell_entry(fold_cell(floor(axis))).x);
@@ -77,5 +78,5 @@ fn share_of_axis(place: vec3f, normal: vec3f) -> f32 {
         return select(0.0, share, axis.z >= 0.0 && axis.z <= P.counts.z);
     }
     let z = place.z - normal.z;
-    return select(0.0, 1.0, z <= 0.0 && z >= -P.thickness);
+    return select(0.0, 1.0, z <= slab.y && z >= slab.x);
 }

@@ -17,10 +17,15 @@ fn start_direction(start: u32, words: vec4u) -> vec3f {
     return -vec3f(azimuth.xy * radius, entry.z * sqrt((1.0 - radius) * (1.0 + radius)));
 }
 
-/// The depth at which a walk of a start sets out, in mm; among cells, its height above the back in edges.
+/// Heights of the back and the front of a sheet above the face that is lit, in mm: near that face f32 is finest.
+fn slab_of(start: u32) -> vec2f {
+    return select(vec2f(0.0, P.thickness), vec2f(-P.thickness, 0.0), start < P.front_starts);
+}
+
+/// The height at which a walk of a start sets out, in mm above the lit face; among cells, above the back in edges.
 fn start_depth(start: u32) -> f32 {
     let front = start < P.front_starts;
-    let face = select(select(-P.thickness, 0.0, front), select(0.0, P.counts.z, front), CELLS);
+    let face = select(0.0, P.counts.z, front && CELLS);
     // A hit lies up to a radius beyond the faces when it belongs to its fiber's axis.
     return select(face, select(face - P.carry.z, face + P.carry.z, front), PLACEMENT > 0u);
 }

@@ -69,8 +69,9 @@ fn block_ahead(place: vec3f, speed: vec3f) -> Block {
     return Block(inside, face, time, times, bitcast<f32>(entry.x), entry.z);
 }
 
-/// Go on with a flight: to its collision, or to the face of a block. `arrived` is set where fibers are being drawn.
-fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, word: u32) -> Site {
+/// Go on with a flight: to its collision, or to the face of a block. `arrived` is set where fibers are being drawn; a sheet
+/// lies between the heights of `slab`.
+fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, slab: vec2f, word: u32) -> Site {
     let m = ray.xyz;
     let depth = select(left, exponential(word), left < 0.0);
     if CELLS {
@@ -91,9 +92,9 @@ fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, word: u32) -> Site
     }
     let rate = visible_area(0u, m) / P.mean_free_path;
     let still = abs(m.z) < 1e-12;
-    let time = select((select(-P.thickness, 0.0, m.z > 0.0) - ray.w) / select(m.z, 1.0, still), 3e38, still);
+    let time = select((select(slab.x, slab.y, m.z > 0.0) - ray.w) / select(m.z, 1.0, still), 3e38, still);
     let free = depth / max(rate, 1e-30);
     let hit = arrived || free < time;
-    let z = select(clamp(ray.w + m.z * free, -P.thickness, 0.0), ray.w, arrived);
+    let z = select(clamp(ray.w + m.z * free, slab.x, slab.y), ray.w, arrived);
     return Site(z, vec2f(0.0), hit, hit, 1.0, 0u, 0u, depth);
 }

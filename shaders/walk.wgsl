@@ -48,7 +48,8 @@ fn step(lane: ptr<function, Lane>) {
     let walking = (*lane).state == WALKING;
     let words = threefry(P.seed, vec4u((*lane).id, (*lane).event, PURPOSE_EVENT));
     let m = (*lane).ray.xyz;
-    let site = fly(lane, m, words.x);
+    let slab = slab_of((*lane).start);
+    let site = fly(lane, m, slab, words.x);
     // Draw the fiber there and see whether the ray hits it.
     let fiber = draw_fiber(words, site.list);
     let across = cross(m, fiber.p);
@@ -58,7 +59,7 @@ fn step(lane: ptr<function, Lane>) {
     var share = site.share;
     if PLACEMENT > 0u {
         let facing = sqrt((1.0 - offset) * (1.0 + offset)) * (dot(m, fiber.p) * fiber.p - m);
-        share *= share_of_axis(vec3f(site.place, site.z), (facing + offset * across) * (optics.w / visible));
+        share *= share_of_axis(vec3f(site.place, site.z), (facing + offset * across) * (optics.w / visible), slab);
     }
     let seen = select(visible, max(share * visible, 1e-12), (CELLS && VISIBLE_N == 0u) || PLACEMENT > 0u);
     let accept = uniform_open(words.z);
@@ -105,14 +106,14 @@ fn step(lane: ptr<function, Lane>) {
     change_walk(lane);
 }
 
-/// Fly through one event.
-fn fly(lane: ptr<function, Lane>, m: vec3f, word: u32) -> Site {
+/// Fly through one event; a sheet lies between the heights of `slab`.
+fn fly(lane: ptr<function, Lane>, m: vec3f, slab: vec2f, word: u32) -> Site {
     if VISIBLE_N > 0u {
-        return march((*lane).ray, (*lane).place, (*lane).refused > 0u, (*lane).depth_left, word);
+        return march((*lane).ray, (*lane).place, (*lane).refused > 0u, (*lane).depth_left, slab, word);
     }
     let path = free_path(word);
     if PLACEMENT > 0u {
-        return fly_carried((*lane).ray, (*lane).place, (*lane).reach, path);
+        return fly_carried((*lane).ray, (*lane).place, (*lane).reach, slab, path);
     }
     if CELLS {
         let speed = m * P.per_edge.xyz;
@@ -123,7 +124,7 @@ fn fly(lane: ptr<function, Lane>, m: vec3f, word: u32) -> Site {
         return Site(place.z, place.xy, inside, inside, bitcast<f32>(entry.x), entry.z, entry.w, 0.0);
     }
     let z = (*lane).ray.w + m.z * path;
-    let inside = z <= 0.0 && z >= -P.thickness;
+    let inside = z <= slab.y && z >= slab.x;
     return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0);
 }
 

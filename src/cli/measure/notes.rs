@@ -6,6 +6,13 @@ use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{ChosenEngine, Prepared, Stop};
 use fiberwalk::scene::{Packing, Scene, Structure};
+use fiberwalk::tables::Kind;
+use std::f64::consts::PI;
+
+/// Absorption in 1/mm above which a real index is no longer right.
+const MOST_ABSORPTION: f64 = 2e3;
+/// The wavelength in mm at which that is judged.
+const GREEN: f64 = 550e-6;
 
 /// The medium, and what sends walks through it.
 pub fn of_medium(scene: &Scene, prepared: &Prepared, engine: &ChosenEngine) -> Vec<String> {
@@ -31,6 +38,7 @@ pub fn of_medium(scene: &Scene, prepared: &Prepared, engine: &ChosenEngine) -> V
         lines
             .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
     }
+    lines.extend(of_dark_fibers(scene));
     lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
     lines
 }
@@ -69,7 +77,7 @@ pub fn of_fibers(scene: &Scene, explicit: &Explicit, goniometer: &Goniometer) ->
         Packing::Separate => "moved apart, so they do not overlap",
     };
     let walks = explicit.walks_of_start(goniometer.starts());
-    vec![
+    let mut lines = vec![
         format!(
             "fibers: {} straight pieces in a realization, {packing}; {pieces:.1} MiB and {grid:.1} MiB for the grid that finds \
              them, for each thread",
@@ -77,7 +85,33 @@ pub fn of_fibers(scene: &Scene, explicit: &Explicit, goniometer: &Goniometer) ->
         ),
         format!("realizations: a fresh one after {walks} walks of each incident cell"),
         format!("engine: cpu on {}; the explicit model has no other", explicit.adapter()),
-    ]
+    ];
+    lines.extend(of_dark_fibers(scene));
+    lines
+}
+
+/// What a real index leaves out of fibers that absorb much.
+fn of_dark_fibers(scene: &Scene) -> Vec<String> {
+    let line = |(kind, place): (Kind, usize)| {
+        let most = kind.absorption.iter().copied().fold(0.0, f64::max);
+        // The index is n + i κ with κ = σ λ / 4π.
+        let kappa = most * GREEN / (4.0 * PI);
+        let reflected = |kappa: f64| {
+            let square = |real: f64| real * real + kappa * kappa;
+            100.0 * square(kind.ior - 1.0) / square(kind.ior + 1.0)
+        };
+        (most > MOST_ABSORPTION).then(|| {
+            format!(
+                "warning: fiber `{}` absorbs up to {most}/mm, and from {MOST_ABSORPTION}/mm on a real index is not enough: at 550 nm \
+                 the imaginary part is {kappa:.2}, with which a surface reflects {:.2} % of light along its normal; \
+                 {:.2} % are computed",
+                scene.fibers[place].name,
+                reflected(kappa),
+                reflected(0.0)
+            )
+        })
+    };
+    Kind::of_scene(scene).into_iter().zip(scene.kinds()).filter_map(line).collect()
 }
 
 /// Until when.

@@ -1,9 +1,7 @@
-//! Where methods fail: cuts of the work, counters near their ends, degenerate directions, extreme depths.
+//! Cuts of the work, counters near their ends, walks that are given up.
 
-mod common;
-
-use common::stats::{GATE, binomial_z};
-use common::{Cloth, aligned, assert_ran, engines, gpu};
+use super::common::stats::{GATE, binomial_z};
+use super::common::{Cloth, aligned, assert_ran, engines, gpu};
 use fiberwalk::Error;
 use fiberwalk::goniometer::Tally;
 use fiberwalk::gpu::{Report, Settings};

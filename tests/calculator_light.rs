@@ -122,10 +122,10 @@ fn many_directions_in_one_cell_are_the_sheet_with_their_distribution() {
     }
 }
 
-/// A preset with coarse cells and few directions.
-fn coarse(name: &str, cells: &str, measure: &str) -> (Scene, Prepared) {
+/// A preset with few directions and more lines of its model.
+fn coarse(name: &str, model: &str, measure: &str) -> (Scene, Prepared) {
     let source = Source::find(name).expect("it is a preset");
-    let text = format!("{}\n[model]\ncells = {cells}\ndirections = 256\n[measure]\n{measure}\n", source.text);
+    let text = format!("{}\n[model]\n{model}\ndirections = 256\n[measure]\n{measure}\n", source.text);
     let scene = Scene::parse(&Source { text, ..source }).unwrap_or_else(|error| panic!("{error}"));
     let prepared = prepare(&scene).unwrap_or_else(|error| panic!("{error}"));
     (scene, prepared)
@@ -142,7 +142,7 @@ fn both_engines_agree_on_woven_cloths() {
     for (name, cells, more) in
         [("voile", "[16, 16, 6]", 1.18), ("denim", "[16, 24, 6]", 1.1), ("charmeuse", "[10, 20, 5]", 1.16)]
     {
-        let (scene, prepared) = coarse(name, cells, "incident = [[20, 10], [60, 130]]\nexit = 8");
+        let (scene, prepared) = coarse(name, &format!("cells = {cells}"), "incident = [[20, 10], [60, 130]]\nexit = 8");
         let bent = {
             let mut f = prepared.specific_length.clone();
             f.values.iter_mut().for_each(|cell| cell.surface *= more);
@@ -159,8 +159,11 @@ fn both_engines_agree_on_woven_cloths() {
 #[test]
 fn light_through_a_woven_cloth_takes_the_same_way_back() {
     // Denim has two faces; without its dye all light comes out and is counted.
-    let (mut scene, mut prepared) =
-        coarse("denim", "[12, 16, 5]", "incident = 4\nexit = 8\nsides = [\"front\", \"back\"]");
+    let (mut scene, mut prepared) = coarse(
+        "denim",
+        "cells = [12, 16, 5]\nplacement = \"at-hit\"",
+        "incident = 4\nexit = 8\nsides = [\"front\", \"back\"]",
+    );
     scene.channels.absorption.iter_mut().for_each(|channels| channels.fill(0.0));
     prepared.tables = SamplingTables::new(&scene, &prepared.specific_length).expect("it is fine");
     let tally = run(gpu(), &prepared.tables, &prepared, &WalkPlan::new(92, 60_000));

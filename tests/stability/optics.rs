@@ -112,7 +112,7 @@ fn fresnel_near_index_one() {
         if ior == 1.0001 {
             let naive = |offset: &f64| {
                 let cosine = (1.0 - offset * offset).sqrt() as f32;
-                f64::from((f64::from(by_angles(cosine, ior as f32)) - reflectance(*offset)).abs())
+                (f64::from(by_angles(cosine, ior as f32)) - reflectance(*offset)).abs()
             };
             let worst = offsets.iter().map(naive).fold(0.0, |a: f64, b| if b.is_nan() { f64::NAN } else { a.max(b) });
             beyond(&regime, "sines and tangents of angles in f32", worst, 4.0 * ULP);

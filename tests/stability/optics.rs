@@ -72,14 +72,12 @@ fn by_angles(cosine: f32, ior: f32) -> f32 {
 #[test]
 fn fresnel_near_index_one() {
     section("Reflectance at the ends of the indices");
-    // What is transmitted of light that meets a fiber at right angles: no chord, one, two; by offset, from the kernel and
-    // from the tracer.
     for ior in [1.0, 1.0001, 4.0] {
         let cloth = Cloth { ior, ..Cloth::isotropic(1.0) };
         let (tables, goniometer) = setup(&cloth);
         let (m, p) = (-DVec3::Z, DVec3::X);
         let steps = 1 << 12;
-        // The number at which light enters is the reflectance: bisect it with the kernel's own decision.
+        // Light enters when its number is above the reflectance: ask the kernel a little below and a little above.
         let reflectance = |offset: f64| Trace::hit(m, p, offset, ior).reflectance();
         let offsets: Vec<f64> =
             (0..steps).map(|i| f64::from(((f64::from(i) + 0.5) / f64::from(steps)) as f32)).collect();

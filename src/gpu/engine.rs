@@ -23,8 +23,9 @@ const DRAIN: Duration = Duration::from_millis(500);
 /// Blocks of one segment: their numbers are exact in f32.
 /// So a segment has at most 2²⁸ walks, and a bin cannot pass once around 2³² unseen.
 const MAX_BLOCKS: u64 = 1 << 24;
-/// Largest optical depth through cells: in f32, heights above the back are then known to 10⁻³ of a flight at the front.
-const MAX_DEPTH: f64 = 4096.0;
+/// Largest optical depth through cells: a step of f32 at the front is then 10⁻³ of a flight, and no more of the light that comes
+/// back is missing.
+const MAX_DEPTH: f64 = 8192.0;
 
 /// The WGSL engine on one device.
 pub struct Gpu {

@@ -23,6 +23,9 @@ const DRAIN: Duration = Duration::from_millis(500);
 /// Blocks of one segment: their numbers are exact in f32.
 /// So a segment has at most 2²⁸ walks, and a bin cannot pass once around 2³² unseen.
 const MAX_BLOCKS: u64 = 1 << 24;
+/// Largest optical depth through cells: a step of f32 at the front is then 10⁻³ of a flight, and no more of the light that comes
+/// back is missing.
+const MAX_DEPTH: f64 = 8192.0;
 
 /// The WGSL engine on one device.
 pub struct Gpu {
@@ -117,6 +120,18 @@ impl Gpu {
     }
 }
 
+/// Refuse cells of which light would feel that places are rounded; in a sheet they are finest at the lit face.
+fn check_depth(tables: &SamplingTables) -> Result<()> {
+    let depth = tables.majorant * tables.thickness;
+    if tables.cells.is_none() || depth <= MAX_DEPTH {
+        return Ok(());
+    }
+    Err(Error::Device {
+        needed: format!("cells of an optical depth of {depth:.0} through the cloth need finer places than f32 has"),
+        found: format!("the gpu engine has no others (at most {MAX_DEPTH}); take the cpu engine"),
+    })
+}
+
 /// A shape without what a warm-up chooses, and without what it leaves out.
 fn untuned(shape: Shape) -> Shape {
     Shape { lanes: 0, budget: 0, trace: false, ..shape }
@@ -158,6 +173,7 @@ impl<'a> Run<'a> {
     ) -> Result<Run<'a>> {
         settings.check()?;
         plan.check(tables)?;
+        check_depth(tables)?;
         let large = |entries: usize| entries > UNIFORM_ENTRIES as usize;
         let cells = tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
         let hardware = gpu.kind() == Kind::Hardware;

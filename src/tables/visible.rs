@@ -12,6 +12,8 @@ const RAYS: u32 = 512;
 const LISTS: usize = 64;
 /// Entries of a list that are integrated with several points each.
 const MANY: usize = 4096;
+/// Longest part of a patch's edge that two points integrate: the edge of a cell of 16 × 16.
+const LARGEST_PART: f64 = 0.125;
 
 /// H(m) of every list relative to its greatest possible value, ⟨|m × p|⟩, on a grid of the half-sphere of m.
 ///
@@ -136,11 +138,16 @@ impl Exact {
     }
 }
 
-/// Gauss points of a patch, 2 along each edge that is not 0.
+/// Gauss points of a patch, 2 along each part of an edge that is not 0.
 fn points_of(patch: &Patch) -> Vec<DVec3> {
     const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
-    let along = |extent: f64| if extent > 0.0 { GAUSS.to_vec() } else { vec![0.5] };
-    let (a, b) = (along(patch.extent.x), along(patch.extent.y));
+    let along = |extent: f64| {
+        // Large patches take several parts: over a hemisphere two points are 1 % off.
+        let parts = (extent / LARGEST_PART - 1e-9).ceil() as u32;
+        let points = move |part: u32| GAUSS.map(|at| (f64::from(part) + at) / f64::from(parts));
+        if extent > 0.0 { (0..parts).flat_map(points).collect() } else { vec![0.5] }
+    };
+    let (a, b): (Vec<f64>, Vec<f64>) = (along(patch.extent.x), along(patch.extent.y));
     a.iter().flat_map(|&a| b.iter().map(move |&b| direction_of(patch.at(DVec2::new(a, b))))).collect()
 }
 

@@ -1,5 +1,6 @@
 //! Ends of ranges: bins at the rim and the pole, counters, seeds, tolerances, sheets so deep that f32 has no places in them.
 
+use super::common::cells::CellCloth;
 use super::common::probes::bits;
 use super::common::stats::{mean_error, means_z};
 use super::common::{Cloth, ISOTROPIC, SplitMix, aligned, engines, gpu, mean_light, rgb};
@@ -185,6 +186,31 @@ fn sheets_whose_back_lies_far_from_their_front() {
         let found = |a: (f64, f64), b: (f64, f64)| Some(Found { value: a.0, z: means_z(a, b) });
         let regime = "optical depth 3·10⁶, lit from the back: share reflected";
         right(regime, method.name, cpu[0].0, found(gpu[1], cpu[0]), found(cpu[1], gpu[0]));
+    }
+    // Cells have heights above the back, fine enough at the front up to a depth of 8192.
+    for (method, seed) in METHODS.iter().zip(7110..) {
+        let cells = |thickness_um: f64| {
+            let base = Cloth { thickness_um, ..method.of(&sheet) };
+            let mut cells = CellCloth::new(base, [1, 1, 64], [1.0, 1.0], |_| 1.0);
+            cells.factors = vec![if method.separate() { 2.0 } else { 1.0 }; 64];
+            cells.prepare()
+        };
+        let setup = cells(500.0);
+        let [gpu, cpu] = engines().map(|(name, engine)| {
+            let tally = track(name, engine, &setup, seed, walks(20_000));
+            [0, 1].map(|start| mean_light(&tally, start)[0])
+        });
+        let found = |a: (f64, f64), b: (f64, f64)| Some(Found { value: a.0, z: means_z(a, b) });
+        let regime = "64 layers of optical depth 1600, lit from the front: share reflected";
+        right(regime, method.name, cpu[1].0, found(gpu[0], cpu[1]), found(cpu[0], gpu[1]));
+        if method.name == NULL.name {
+            let (tables, goniometer) = cells(3000.0);
+            let plan = WalkPlan::new(1, 10);
+            let message =
+                engines()[0].1.run(&tables, &goniometer, &plan, &mut |_| {}).expect_err("it is too deep").to_string();
+            refused("64 layers of optical depth 9500", "gpu", &message, "need finer places than f32 has");
+            assert!(engines()[1].1.run(&tables, &goniometer, &plan, &mut |_| {}).is_ok());
+        }
     }
     // Isotropic scattering below such a back, in heights above the front.
     let walk = |random: &mut SplitMix, single: bool| {

@@ -71,7 +71,7 @@ fn the_transmittance_of_deep_sheets_falls_as_their_depth() {
         };
         // 1/T and its variance.
         let inverse = |(count, n): (f64, f64)| (n / count, (n / count).powi(2) * (1.0 - count / n) / count);
-        let [near, far] = [(20.0, seed, 40_000), (80.0, seed + 1, 20_000)]
+        let [near, far] = [(20.0, seed, 40_000), (80.0, seed + 1, 12_000)]
             .map(|(depth, seed, n)| inverse(through("gpu", depth, seed, walks(n))));
         let at = (1000.0 - 20.0) / 60.0;
         let inverse = near.0 + (far.0 - near.0) * at;
@@ -82,8 +82,8 @@ fn the_transmittance_of_deep_sheets_falls_as_their_depth() {
             let z = 2.0 * (count.sqrt() - expected.sqrt()) / (1.0 + expected * error * error).sqrt();
             Found { value: count / n, z }
         };
-        let gpu = found(through("gpu", 1000.0, seed + 2, walks(3000)));
-        let cpu = (method.name == NULL.name).then(|| found(through("cpu", 1000.0, seed + 3, walks(2500))));
+        let gpu = found(through("gpu", 1000.0, seed + 2, walks(2000)));
+        let cpu = (method.name == NULL.name).then(|| found(through("cpu", 1000.0, seed + 3, walks(1500))));
         right("optical depth 1000: share transmitted", method.name, 1.0 / inverse, Some(gpu), cpu);
     }
 }

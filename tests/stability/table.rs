@@ -88,7 +88,12 @@ fn size(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
 }
 
-/// What is found on a page of its own.
+/// Standard errors, without a sign where there are none.
+fn errors(z: f64) -> String {
+    format!("{:.1}", (10.0 * z).round() / 10.0 + 0.0)
+}
+
+/// The head of a table.
 pub fn section(title: &str) {
     let names = ["regime", "method", "independent", "gpu", "z", "cpu", "z", "verdict"];
     print!("\n### {title}\n| {} |\n|{}\n", names.join(" | "), "---|".repeat(names.len()));
@@ -106,7 +111,7 @@ pub fn right(regime: &str, method: &str, independent: f64, gpu: Option<Found>, c
     static MADE: AtomicUsize = AtomicUsize::new(0);
     let found: Vec<Found> = [gpu, cpu].into_iter().flatten().collect();
     let value = |found: Option<Found>| found.map_or("—".into(), |found| number(found.value));
-    let z = |found: Option<Found>| found.map_or("—".into(), |found| format!("{:.1}", found.z));
+    let z = |found: Option<Found>| found.map_or("—".into(), |found| errors(found.z));
     row(regime, method, &number(independent), [&value(gpu), &z(gpu), &value(cpu), &z(cpu)], "right");
     assert!(
         MADE.fetch_add(found.len(), Ordering::Relaxed) + found.len() <= FAMILY,
@@ -117,7 +122,7 @@ pub fn right(regime: &str, method: &str, independent: f64, gpu: Option<Found>, c
 
 /// The weak method must not find it.
 pub fn fails(regime: &str, weak: &str, independent: f64, found: Found) {
-    let (value, z) = (number(found.value), format!("{:.1}", found.z));
+    let (value, z) = (number(found.value), errors(found.z));
     row(regime, &format!("*{weak}*"), &number(independent), ["—", "—", &value, &z], "*fails*");
     assert!(found.z.is_nan() || found.z.abs() > 2.0 * GATE, "{regime}, {weak}: {found:?} passes");
 }

@@ -2,18 +2,20 @@
 
 use super::common::cells::CellCloth;
 use super::common::counted::Counted;
-use super::common::{Cloth, ISOTROPIC, aligned, engines};
+use super::common::{Cloth, ISOTROPIC, SplitMix, aligned, engines};
 use super::light::{cone_sine, from_degrees};
 use super::table::{
-    Found, METHODS, NULL, beyond, direct, direct_share, fails, refused, right, section, setup, track, walks, within,
+    Found, METHODS, NULL, TABULATED, beyond, direct, direct_share, fails, refused, right, section, setup, track, walks,
+    within,
 };
 use fiberwalk::cloth::Primitive;
-use fiberwalk::distribution::{DirectionGrid, Effort, SpecificLength};
+use fiberwalk::concentric::Patch;
+use fiberwalk::distribution::{DirectionGrid, Effort, SpecificLength, direction_of};
 use fiberwalk::goniometer::{Goniometer, Tally};
 use fiberwalk::scene::Structure;
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::WalkPlan;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// The specific length of a sheet on a grid of n × n directions, as no file may ask for.
@@ -39,6 +41,22 @@ fn from_one_direction_to_very_many() {
             right(&format!("isotropic fibers of {n}² directions"), method.name, expected, Some(gpu), Some(cpu));
         }
     }
+    // The look-up itself, and four points for all directions.
+    let mut random = SplitMix(6060);
+    let rays: Vec<DVec3> = (0..2000).map(|_| random.direction()).collect();
+    let largest = |relative: &dyn Fn(DVec3) -> f64| {
+        rays.iter().map(|m| (relative(*m) / FRAC_PI_4 - 1.0).abs()).fold(0.0, f64::max)
+    };
+    for n in [1, 2, 4, 8] {
+        let (tables, _) = on_grid(&TABULATED.of(&cloth), n);
+        let visible = tables.visible.expect("it has a table");
+        let regime = format!("isotropic fibers of {n}² directions: H, relative");
+        within(&regime, TABULATED.name, [None, Some(largest(&|m| visible.look_up(0, m)))], 5e-4);
+    }
+    let gauss = [-1.0, 1.0].map(|sign| 0.5 + sign * (1.0f64 / 12.0).sqrt());
+    let points = gauss.map(|a| gauss.map(|b| direction_of(Patch::cell(1, 0, 0).at(DVec2::new(a, b))))).concat();
+    let mean = |m: DVec3| points.iter().map(|p| m.cross(*p).length()).sum::<f64>() / 4.0;
+    beyond("isotropic fibers of 1² directions: H, relative", "four points", largest(&mean), 5e-4);
     // The middles of 16 directions.
     let cloth = Cloth::isotropic(1.0).lit_from("[[0, 0]]");
     let (tables, goniometer) = on_grid(&cloth, 4);

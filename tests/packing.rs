@@ -143,7 +143,7 @@ fn share_z(found: f64, stated: f64, points: u32) -> f64 {
 
 #[test]
 fn no_two_fibers_run_into_each_other() {
-    for name in ["sheer", "voile", "jersey"] {
+    for name in ["sheer", "voile"] {
         let scene = preset(name);
         let (drawn, separation) = separate(&scene, 0);
         let found = deepest(&drawn);
@@ -153,7 +153,7 @@ fn no_two_fibers_run_into_each_other() {
         assert!(overlapping > 0.8, "{name}: {overlapping}");
     }
     for orientation in [ISOTROPIC, PLANAR] {
-        let scene = Cloth { thickness_um: 100.0, ..Cloth::new(500.0, orientation) }.scene();
+        let scene = Cloth { thickness_um: 60.0, ..Cloth::new(300.0, orientation) }.scene();
         let found = deepest(&separate(&scene, 1).0);
         assert!(found <= 0.02, "{orientation}: {found}");
         let overlapping = deepest(&random(&scene, 1));
@@ -230,10 +230,10 @@ fn profile(drawn: &Realization) -> Vec<f64> {
 fn yarns_keep_their_size_their_length_and_their_place() {
     let scene = preset("voile");
     let (mut grown, mut longer, mut moved) = (DVec2::ZERO, 0.0, 0.0f64);
-    for number in 0..4 {
+    for number in 0..2 {
         let (before, after) = (random(&scene, number), separate(&scene, number).0);
-        grown += spread(&scene, &after) / spread(&scene, &before) / 4.0;
-        longer += lengths(&after) / lengths(&before) / 4.0;
+        grown += spread(&scene, &after) / spread(&scene, &before) / 2.0;
+        longer += lengths(&after) / lengths(&before) / 2.0;
         let shift = profile(&before).into_iter().zip(profile(&after)).map(|(a, b)| (a - b).abs());
         moved = moved.max(shift.fold(0.0, f64::max));
         for (old, new) in before.fibers.iter().zip(&after.fibers) {
@@ -252,7 +252,7 @@ fn yarns_keep_their_size_their_length_and_their_place() {
 
 #[test]
 fn fibers_of_a_sheet_keep_their_directions_and_their_depth() {
-    let scene = Cloth { thickness_um: 300.0, ..Cloth::new(600.0, ISOTROPIC) }.scene();
+    let scene = Cloth { thickness_um: 200.0, ..Cloth::new(400.0, ISOTROPIC) }.scene();
     let (before, after) = (random(&scene, 0), separate(&scene, 0).0);
     // ⟨p_z²⟩ by length is ⅓ of isotropic fibers.
     let steep = |drawn: &Realization| {

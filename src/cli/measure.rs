@@ -7,10 +7,11 @@ use super::show::{grouped, reciprocity_lines, totals_table};
 use super::{one_line, print};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{
-    EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare_explicit, prepare_with, run as measure,
+    AgainstFibers, EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare_explicit, prepare_with,
+    run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
-use fiberwalk::scene::{Medium, Scene, Source};
+use fiberwalk::scene::{Medium, Packing, Scene, Source};
 use fiberwalk::walk::Walker;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -140,9 +141,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
+    let against = measurement.against.as_ref().map(|against| notes::of_fibers_and_medium(&scene, against));
     let clustering = measurement.clustering.as_ref().map(notes::of_clustering).unwrap_or_default();
-    let findings =
-        [totals_table(&scene, &measurement), clustering, reciprocity_lines(&scene, &measurement), speed(&measurement)];
+    let findings = [
+        totals_table(&scene, &measurement),
+        clustering,
+        against.unwrap_or_default(),
+        reciprocity_lines(&scene, &measurement),
+        speed(&measurement),
+    ];
     print(&format!("{}\n{files}", findings.concat()))
 }
 
@@ -172,7 +179,11 @@ impl Arguments {
         };
         let engine = choose(choice, self.adapter.as_deref())?;
         self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), stop);
-        let measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, stop, started)?;
+        let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, stop, started)?;
+        // Separate fibers take too long to draw for a glance.
+        if scene.model.packing == Packing::Random {
+            measurement.against = AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed)?;
+        }
         Ok((folder, measurement))
     }
 

@@ -5,11 +5,13 @@
 //! Differs from the paper: nothing.
 
 mod engine;
+mod fibers;
 mod run;
 mod self_test;
 mod stop;
 
 pub use engine::{ChosenEngine, EngineChoice, choose};
+pub use fibers::AgainstFibers;
 pub use run::{
     MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_with,
     run,

@@ -1,5 +1,6 @@
 //! One measurement.
 
+use super::fibers::AgainstFibers;
 use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::cloth::{Cloth, Realizer};
@@ -54,6 +55,8 @@ pub struct Measurement {
     pub seconds: Seconds,
     /// How much walks through one realization of the fibers resemble each other; none for a medium.
     pub clustering: Option<Clustering>,
+    /// The medium against the fibers, if that was tried.
+    pub against: Option<AgainstFibers>,
 }
 
 /// The medium and the instrument of a scene.
@@ -219,7 +222,7 @@ pub fn run(
         walk: begun.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None })
+    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None, against: None })
 }
 
 /// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, clustering } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering, against } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -53,6 +53,18 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "checks": checks(scene, measurement),
         "sides": sides,
     });
+    if let Some(against) = against {
+        let names = ["reflectance", "transmittance", "direct"];
+        let of = |shares: [Estimate; 3]| -> serde_json::Map<_, _> {
+            names.iter().zip(shares).map(|(name, share)| ((*name).to_owned(), json!(share))).collect()
+        };
+        value["checks"]["fibers"] = json!({
+            "walks": against.walks,
+            "channel": scene.channels.names[against.channel],
+            "fibers": of(against.fibers),
+            "medium": of(against.medium),
+        });
+    }
     if let Some(clustering) = clustering {
         value["realizations"] = json!(clustering);
     }

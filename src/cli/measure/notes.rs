@@ -1,10 +1,11 @@
 //! What is going to be measured, and how.
 
-use super::super::show::grouped;
+use super::super::show::{estimate, grouped};
+use fiberwalk::bsdf::Estimate;
 use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
-use fiberwalk::measure::{ChosenEngine, Prepared, Stop};
+use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop};
 use fiberwalk::scene::{Packing, Scene, Structure};
 use fiberwalk::tables::Kind;
 use std::f64::consts::PI;
@@ -13,6 +14,10 @@ use std::f64::consts::PI;
 const MOST_ABSORPTION: f64 = 2e3;
 /// The wavelength in mm at which that is judged.
 const GREEN: f64 = 550e-6;
+
+/// Standard errors by which the medium is off before a warning is given, and the share of the value.
+const SURELY: f64 = 4.0;
+const NOTABLE: f64 = 0.03;
 
 /// The medium, and what sends walks through it.
 pub fn of_medium(scene: &Scene, prepared: &Prepared, engine: &ChosenEngine) -> Vec<String> {
@@ -131,4 +136,36 @@ pub fn of_clustering(clustering: &Clustering) -> String {
         "{realizations} realizations; errors of hemispherical means take walks as independent, those of one realization are \
          not: they are {reflected:.1} (reflected), {transmitted:.1} (transmitted), {direct:.1} (direct) times as large\n"
     )
+}
+
+/// Where light goes through the fibers, and how far the medium is from that.
+pub fn of_fibers_and_medium(scene: &Scene, against: &AgainstFibers) -> String {
+    let names = ["reflected", "transmitted", "direct"];
+    let channel = match scene.channels.names.len() {
+        1 => String::new(),
+        _ => format!(" in {}", scene.channels.names[against.channel]),
+    };
+    let part = |i: usize| format!("{} {}", estimate(against.fibers[i]), names[i]);
+    let differences = against.differences();
+    let off = |i: usize| format!("{:+.1} ± {:.1}", 100.0 * differences[i].value, 100.0 * differences[i].stderr);
+    let mut text = format!(
+        "{} walks through the fibers themselves{channel}: {}; the medium is off by {} % of the light\n",
+        grouped(against.walks),
+        [0, 1, 2].map(part).join(", "),
+        [0, 1, 2].map(off).join(", "),
+    );
+    let wrong = |i: usize| {
+        let Estimate { value, stderr } = differences[i];
+        value.abs() > SURELY * stderr && value.abs() > NOTABLE * against.fibers[i].value
+    };
+    let wrong: Vec<&str> = (0..3).filter(|i| wrong(*i)).map(|i| names[i]).collect();
+    if !wrong.is_empty() {
+        text += &format!(
+            "warning: the medium has the light that is {} wrong by more than {:.0} % of itself; finer cells, placement \
+             \"carried\" or --model explicit may mend it\n",
+            wrong.join(" and that is "),
+            100.0 * NOTABLE
+        );
+    }
+    text
 }

@@ -1,0 +1,78 @@
+//! The medium of a cloth of yarns against its fibers.
+
+use super::run::Prepared;
+use crate::bsdf::{Estimate, Totals, totals};
+use crate::cloth::Realizer;
+use crate::error::Result;
+use crate::explicit::Explicit;
+use crate::goniometer::Tally;
+use crate::scene::Scene;
+use crate::walk::{WalkPlan, Walker};
+use serde::Serialize;
+
+/// Realizations, and walks through each, all starts together.
+const REALIZATIONS: u64 = 8;
+const WALKS: u64 = 2048;
+
+/// Where light goes through the fibers themselves, and through the medium: means over all starts in one channel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AgainstFibers {
+    /// Walks through the fibers.
+    pub walks: u64,
+    /// Index of the channel, the middle one.
+    pub channel: usize,
+    /// Reflected, transmitted and direct light through fibers; the errors are those between realizations.
+    pub fibers: [Estimate; 3],
+    /// The same through the medium.
+    pub medium: [Estimate; 3],
+}
+
+impl AgainstFibers {
+    /// Send a few walks through the fibers of a prepared cloth of yarns, whose medium `tally` has measured; none for a sheet.
+    ///
+    /// # Errors
+    /// Those of [`Explicit::drawn`] and of its run.
+    pub fn new(scene: &Scene, prepared: &Prepared, tally: &Tally, seed: u64) -> Result<Option<AgainstFibers>> {
+        let Some(cloth) = &prepared.cloth else { return Ok(None) };
+        let goniometer = &prepared.goniometer;
+        let starts = goniometer.starts() as u64;
+        let realizer = Realizer::of_yarns(cloth.clone(), scene.model.packing);
+        let explicit = Explicit::drawn(scene, Some(WALKS as usize), move |number| realizer.draw(number))?;
+        let each = explicit.walks_of_start(starts as usize);
+        let channel = tally.channels() / 2;
+        let mut sums = [(0.0, 0.0); 3];
+        for number in 0..REALIZATIONS {
+            let plan = WalkPlan { first: number * each, ..WalkPlan::new(!seed, each) };
+            let part = explicit.run(goniometer, &plan, &mut |_| {})?;
+            for (sum, share) in sums.iter_mut().zip(means(&part, channel)) {
+                *sum = (sum.0 + share.value, sum.1 + share.value.powi(2));
+            }
+        }
+        let n = REALIZATIONS as f64;
+        let fibers = sums.map(|(sum, square)| {
+            let value = sum / n;
+            Estimate { value, stderr: ((square / n - value * value).max(0.0) / (n - 1.0)).sqrt() }
+        });
+        let walks = REALIZATIONS * each * starts;
+        Ok(Some(AgainstFibers { walks, channel, fibers, medium: means(tally, channel) }))
+    }
+
+    /// By how much the medium is off, as a share of all light.
+    pub fn differences(&self) -> [Estimate; 3] {
+        [0, 1, 2].map(|i| Estimate {
+            value: self.medium[i].value - self.fibers[i].value,
+            stderr: self.medium[i].stderr.hypot(self.fibers[i].stderr),
+        })
+    }
+}
+
+/// Means over the starts of what is reflected, transmitted and direct.
+fn means(tally: &Tally, channel: usize) -> [Estimate; 3] {
+    let parts: Vec<Totals> = (0..tally.starts()).map(|start| totals(tally, start, channel)).collect();
+    let n = parts.len() as f64;
+    let mean = |of: fn(&Totals) -> Estimate| Estimate {
+        value: parts.iter().map(|part| of(part).value).sum::<f64>() / n,
+        stderr: parts.iter().map(|part| of(part).stderr.powi(2)).sum::<f64>().sqrt() / n,
+    };
+    [mean(|part| part.reflectance), mean(|part| part.transmittance), mean(|part| part.direct)]
+}

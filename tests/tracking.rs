@@ -9,7 +9,7 @@ use fiberwalk::Error;
 use fiberwalk::goniometer::{Goniometer, Tally};
 use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::scene::{Scene, Source};
-use fiberwalk::tables::{SamplingTables, VisibleArea};
+use fiberwalk::tables::{Carry, SamplingTables, VisibleArea};
 use fiberwalk::walk::{Engine, WalkPlan};
 use std::f64::consts::FRAC_PI_4;
 
@@ -51,6 +51,7 @@ fn scattered(filled: f64, gaps: bool) -> CellCloth {
 fn voile() -> (SamplingTables, Goniometer) {
     let mut scene = Scene::parse(&Source::find("voile").expect("voile is a preset")).expect("the preset is fine");
     scene.model.set_from_flag("cells", "12x12x6").expect("the flag is fine");
+    scene.model.set_from_flag("placement", "at-hit").expect("the flag is fine");
     scene.measure.set_from_flag("incident", "[[15, 30], [65, -50]]").expect("the flag is fine");
     let Prepared { tables, goniometer, .. } = prepare(&scene).expect("the cloth is fine");
     (tables, goniometer)
@@ -250,6 +251,9 @@ fn what_the_tables_are_not_made_for_is_refused() {
         let error = engine.run(&tables, &goniometer, &plan, &mut |_| {}).expect_err("the table is jittered");
         assert!(matches!(error, Error::Input(_)), "{error}");
         assert!(error.to_string().contains("leave jitter on"), "{error}");
+        let carried = SamplingTables { carry: Some(Carry { radius: 0.01, factors: false }), ..tables.clone() };
+        let error = engine.run(&carried, &goniometer, &WalkPlan::new(1, 10), &mut |_| {}).expect_err("it is carried");
+        assert!(error.to_string().contains("place flights at hits"), "{error}");
     }
     let base = Cloth { directions: 16, ..Cloth::isotropic(1.0) };
     let mut cells = CellCloth::new(base.tabulated(), [100, 100, 4], [1.0, 1.0], |_| 1.0);

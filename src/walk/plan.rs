@@ -40,10 +40,16 @@ impl WalkPlan {
     /// Refuse a plan that the tables of a medium are not made for.
     ///
     /// # Errors
-    /// [`Error::Input`] when directions are to sit in the middle of patches over which H(m) was averaged.
+    /// [`Error::Input`] when directions are to sit in the middle of patches over which H(m) was averaged, or when light that
+    /// is carried through fibers is to be tracked by tables.
     pub fn check(&self, tables: &SamplingTables) -> Result<()> {
         if !self.jitter && tables.visible.is_some() {
             let message = "tracking by tables draws directions inside their patches; leave jitter on";
+            return Err(Error::Input(message.into()));
+        }
+        if tables.carry.is_some() && tables.visible.is_some() {
+            let message =
+                "tracking by tables has the cell of the ray and not that of the fiber's axis; place flights at hits";
             return Err(Error::Input(message.into()));
         }
         Ok(())

@@ -4,9 +4,10 @@ mod woven;
 mod yarns;
 
 use super::{one_line, print};
+use fiberwalk::cloth::{FiberGrid, Realizer};
 use fiberwalk::measure::{Prepared, memory, prepare};
 use fiberwalk::report::WIDTHS;
-use fiberwalk::scene::{Orientation, Scene, Sheet, Source, Structure};
+use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
@@ -46,7 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return woven::run(&scene, cloth, &prepared, &folder, arguments.width.unwrap_or(1600));
     }
     let sheet = scene.sheet()?;
-    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &results(&prepared)))
+    let tables = format!("memory           tables {}\n", beside_fibers(prepared.tables.bytes(), &scene)?);
+    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&prepared)))
 }
 
 /// The cloth as the file says it.
@@ -138,4 +140,19 @@ fn results(prepared: &Prepared) -> String {
         2 * goniometer.exit.cells(),
         memory(tables, goniometer) as f64 / f64::from(1 << 20)
     )
+}
+
+/// The size of the tables, and that of a realization of the fibers that the explicit model would use in their place; its
+/// fibers are laid at random, which does not change their number.
+fn beside_fibers(tables: usize, scene: &Scene) -> Result<String> {
+    let drawn = Realizer::new(scene, Packing::Random)?.draw(0)?;
+    let [pieces, grid] = FiberGrid::new(&drawn.fibers, drawn.period)?.bytes();
+    let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+    Ok(format!(
+        "{:.1} MiB; of the explicit model {:.1} MiB a realization, {:.1} of pieces and {:.1} of the grid that finds them",
+        mib(tables),
+        mib(pieces + grid),
+        mib(pieces),
+        mib(grid)
+    ))
 }

@@ -2,7 +2,7 @@
 
 use super::super::{one_line, print};
 use super::yarns::yarns;
-use super::{areal_mass, channels, light, results};
+use super::{areal_mass, beside_fibers, channels, light, results};
 use fiberwalk::Result;
 use fiberwalk::cloth::{Cloth, Shape, Statistics};
 use fiberwalk::distribution::Voids;
@@ -27,7 +27,7 @@ pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, folder: &Path, wid
         shape(cloth, &figures, picture.openness),
         mass(&figures),
         sizes(&figures),
-        medium(scene, prepared),
+        medium(scene, prepared)?,
         results(prepared),
         format!("{}\n", file.display()),
     ];
@@ -99,7 +99,7 @@ fn sizes(figures: &Statistics) -> String {
 }
 
 /// The medium that it becomes.
-fn medium(scene: &Scene, prepared: &Prepared) -> String {
+fn medium(scene: &Scene, prepared: &Prepared) -> Result<String> {
     let Prepared { specific_length, tables, gathering, .. } = prepared;
     let [nx, ny, nz] = specific_length.cells.counts;
     let edges = specific_length.cells.edges() * 1e3;
@@ -137,6 +137,6 @@ fn medium(scene: &Scene, prepared: &Prepared) -> String {
         let _ = writeln!(text, "warning          {warning}");
     }
     text += &light(scene, prepared);
-    let _ = writeln!(text, "tables           {:.1} MiB", tables.bytes() as f64 / f64::from(1 << 20));
-    text
+    let _ = writeln!(text, "tables           {}", beside_fibers(tables.bytes(), scene)?);
+    Ok(text)
 }

@@ -31,7 +31,7 @@ fn the_grid_finds_what_a_search_of_all_fibers_finds() {
     let goniometer = Goniometer::new(&scene.measure);
     let realization = Realizer::new(&scene, Packing::Random).and_then(|realizer| realizer.draw(7)).expect("it is laid");
     let kinds = Kind::of_scene(&scene);
-    let walks = |counts: [u16; 3], keep: usize| {
+    let walks = |counts: [u8; 3], keep: usize| {
         let fibers = &realization.fibers[..keep];
         let grid = FiberGrid::with_cells(fibers, realization.period, counts).expect("they are sorted");
         let bodies = Bodies { grid: &grid, kinds: &kinds, places: &[0], half_length: f64::INFINITY };

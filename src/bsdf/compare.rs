@@ -1,6 +1,6 @@
 //! Whether two tallies are of the same BSDF, and how far apart they are.
 
-use super::estimate::{Estimate, direct, mean_weight, noise, share};
+use super::estimate::{Estimate, direct, noise, share};
 use super::significance::{binomial_tail, chi_square_tail, normal_tail, sidak};
 use crate::goniometer::{Moments, Outcome, Tally};
 
@@ -152,7 +152,7 @@ impl Family {
         let shares = [a, b].map(|tally| direct(tally, start));
         let spread = shares[0].stderr.hypot(shares[1].stderr);
         self.seen += usize::from(shares.iter().any(|share| share.value > 0.0));
-        if spread == 0.0 || shares.iter().any(|share| share.value == 0.0) {
+        if spread == 0.0 || shares.iter().all(|share| share.value == 0.0) {
             return false;
         }
         self.tested += 1;
@@ -173,7 +173,7 @@ impl Family {
         for start in 0..a.starts() {
             let mut pool = Pool::default();
             // Direct light is the same in all channels. What straight rays say of it is held against it apart from the walks.
-            let straight = a.straight.is_some() || b.straight.is_some();
+            let straight = a.straight != b.straight;
             if straight && channel == 0 {
                 freedom += usize::from(self.add_straight(a, b, start, &mut chi_square));
             }
@@ -187,7 +187,11 @@ impl Family {
                 pool.add(&pair);
                 let probability = pair.probability();
                 if self.cell.is_none_or(|cell| probability < cell.probability) {
-                    self.cell = Some(CellDifference { start, bin, channel, shares: pair.shares(), probability });
+                    let of = |tally: &Tally| match bin == untouched {
+                        true => direct(tally, start),
+                        false => share(tally, start, tally.walks_per_incident(), tally.light(start, bin, channel)),
+                    };
+                    self.cell = Some(CellDifference { start, bin, channel, shares: [of(a), of(b)], probability });
                 }
             }
             let (value, degrees) = pool.chi_square(walks_of(a, b, start));
@@ -204,10 +208,10 @@ impl Family {
     }
 }
 
-/// Walks of a start that the light of an exit cell is compared among: those that met fibers when straight rays say how many
-/// do.
+/// Walks of a start that the light of an exit cell is compared among: those that met fibers when straight rays say for one of
+/// the tallies, and not alike for both, how many do.
 fn walks_of(a: &Tally, b: &Tally, start: usize) -> [u64; 2] {
-    let straight = a.straight.is_some() || b.straight.is_some();
+    let straight = a.straight != b.straight;
     [a, b].map(|tally| tally.walks_per_incident() - if straight { tally.direct(start) } else { 0 })
 }
 
@@ -261,10 +265,6 @@ impl Pair {
     fn difference(&self) -> f64 {
         let share = |i: usize| self.light[i].sum as f64 / self.units[i] as f64 / self.walks[i] as f64;
         share(0) - share(1)
-    }
-
-    fn shares(&self) -> [Estimate; 2] {
-        [0, 1].map(|i| mean_weight(self.light[i], self.walks[i], self.units[i]))
     }
 
     fn probability(&self) -> f64 {

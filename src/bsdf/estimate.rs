@@ -55,10 +55,9 @@ pub fn mean_weight(moments: Moments, walks: u64, unit: u64) -> Estimate {
 /// Where straight rays say how much touches no fiber, the walks say how the rest is shared out.
 pub fn share(tally: &Tally, start: usize, walks: u64, light: Moments) -> Estimate {
     let entered = walks - tally.direct(start);
-    match tally.straight.as_ref().map(|straight| straight[start]) {
+    // Where no walk met a fiber, none says where the rest goes.
+    match tally.straight.as_ref().map(|straight| straight[start]).filter(|_| entered > 0) {
         None => mean_weight(light, walks, tally.unit()),
-        // No walk says where that light goes.
-        Some(straight) if entered == 0 => Estimate { value: 0.0, stderr: 1.0 - straight.value },
         Some(straight) => {
             let Estimate { value, stderr } = mean_weight(light, entered, tally.unit());
             let rest = 1.0 - straight.value;
@@ -69,8 +68,9 @@ pub fn share(tally: &Tally, start: usize, walks: u64, light: Moments) -> Estimat
 
 /// The share of the light of a start that touches no fiber.
 pub fn direct(tally: &Tally, start: usize) -> Estimate {
-    match tally.straight.as_ref().map(|straight| straight[start]) {
-        None => probability(tally.direct(start), tally.walks_per_incident()),
+    let (untouched, walks) = (tally.direct(start), tally.walks_per_incident());
+    match tally.straight.as_ref().map(|straight| straight[start]).filter(|_| untouched < walks) {
+        None => probability(untouched, walks),
         Some(Straight { value, stderr }) => Estimate { value, stderr },
     }
 }
@@ -94,7 +94,7 @@ pub fn values(
     (first..first + cells).map(value).collect()
 }
 
-/// Relative noise of the scattered light, √(Σσ²/ΣP²) over all starts, exit cells and channels; also of an unfinished
+/// Relative noise that the walks leave in the scattered light, √(Σσ²/ΣP²) over all starts, exit cells and channels; also of an unfinished
 /// tally.
 ///
 /// It is infinite while nothing has been scattered.
@@ -109,9 +109,12 @@ pub fn noise(tally: &Tally) -> f64 {
             for channel in 0..tally.channels() {
                 let light = tally.light(start, bin, channel);
                 if light.sum > 0 {
-                    let Estimate { value, stderr } = share(tally, start, walks, light);
+                    // More walks do not lessen the error of straight rays.
+                    let Estimate { value, .. } = share(tally, start, walks, light);
+                    let entered = if tally.straight.is_some() { walks - tally.direct(start) } else { walks };
+                    let own = mean_weight(light, entered, tally.unit());
                     square += value * value;
-                    variance += stderr * stderr;
+                    variance += (own.stderr * value / own.value).powi(2);
                 }
             }
         }
@@ -139,6 +142,29 @@ mod tests {
         tally.bins = vec![30, 0, 10, 0, 60, 0, 0];
         let expected = ((0.3 * 0.7 + 0.1 * 0.9) / 99.0 / (0.09 + 0.01f64)).sqrt();
         assert!((noise(&tally) - expected).abs() < 1e-15, "{}", noise(&tally));
+    }
+
+    #[test]
+    fn straight_light_scales_the_walks_and_leaves_their_noise() {
+        let origin = Origin { engine: "cpu".into(), adapter: String::new(), seed: 0 };
+        let mut tally = Tally::new(origin.clone(), BinLayout { exit_cells: 2 }, 1, None);
+        tally.coverage = crate::goniometer::Coverage::new(origin, 0..100);
+        tally.bins = vec![30, 0, 10, 0, 60, 0, 0];
+        let plain = noise(&tally);
+        tally.straight = Some(vec![Straight { value: 0.5, stderr: 0.1 }]);
+        // 30 of 40 walks that met a fiber, of half of the light.
+        let Estimate { value, stderr } = share(&tally, 0, 100, tally.light(0, 0, 0));
+        let inside = (0.75f64 * 0.25 / 39.0).sqrt();
+        assert!((value - 0.375).abs() < 1e-15 && (stderr - (0.5 * inside).hypot(0.075)).abs() < 1e-15);
+        assert_eq!(direct(&tally, 0), Estimate { value: 0.5, stderr: 0.1 });
+        // The error of the rays is no noise of the walks, which more of them could lessen.
+        assert!(noise(&tally) < plain);
+        let expected = (2.0 * 0.75 * 0.25 / 39.0 / (0.75f64.powi(2) + 0.25f64.powi(2))).sqrt();
+        assert!((noise(&tally) - expected).abs() < 1e-12, "{}", noise(&tally));
+        // Where no walk met a fiber, the walks say all.
+        tally.bins = vec![0, 0, 0, 0, 100, 0, 0];
+        assert_eq!(direct(&tally, 0).value, 1.0);
+        assert_eq!(share(&tally, 0, 100, tally.light(0, 0, 0)).value, 0.0);
     }
 
     #[test]

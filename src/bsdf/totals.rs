@@ -62,10 +62,15 @@ pub fn hemispherical(tally: &Tally, goniometer: &Goniometer, side: usize, channe
         };
         Estimate { value, stderr: parts.iter().map(own).sum::<f64>().sqrt() / cells }
     };
+    let mut direct = mean(|part| part.direct);
+    if tally.straight.is_some() {
+        // All starts have their straight rays through the same realizations: take their errors to go together.
+        direct.stderr = parts.iter().map(|part| part.direct.stderr).sum::<f64>() / cells;
+    }
     Some(Totals {
         reflectance: mean(|part| part.reflectance),
         transmittance: mean(|part| part.transmittance),
-        direct: mean(|part| part.direct),
+        direct,
         absorptance: if tally.weights.is_some() { mean(|part| part.absorptance) } else { Estimate::default() },
         lost: parts.iter().map(|part| part.lost).sum::<f64>() / cells,
     })

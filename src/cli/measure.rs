@@ -142,7 +142,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
     let against = measurement.against.as_ref().map(|against| notes::of_fibers_and_medium(&scene, against));
-    let clustering = measurement.clustering.as_ref().map(notes::of_clustering).unwrap_or_default();
+    let clustering = match scene.model.medium {
+        Medium::Implicit => String::new(),
+        Medium::Explicit => notes::of_clustering(measurement.clustering.as_ref()),
+    };
     let findings = [
         totals_table(&scene, &measurement),
         clustering,
@@ -162,6 +165,7 @@ impl Arguments {
         stop: Stop,
         started: Instant,
     ) -> Result<(ResultFolder, Measurement)> {
+        let folder = self.folder(source, Goniometer::new(&scene.measure).starts() as u64)?;
         let counting = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
         let style = ProgressStyle::with_template("{bar:30} {percent}% counting the fibers, {eta} left");
         counting.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -171,7 +175,6 @@ impl Arguments {
             // Tell the cells that were chosen.
             scene.model.cells = Some(prepared.specific_length.cells.counts);
         }
-        let folder = self.folder(source, prepared.goniometer.starts() as u64)?;
         let choice = match self.engine {
             Choice::Auto => EngineChoice::Auto,
             Choice::Gpu => EngineChoice::Gpu,
@@ -182,7 +185,11 @@ impl Arguments {
         let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, stop, started)?;
         // Separate fibers take too long to draw for a glance.
         if scene.model.packing == Packing::Random {
-            measurement.against = AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed)?;
+            match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
+                Ok(against) => measurement.against = against,
+                // The measurement is worth more than the glance.
+                Err(error) => eprintln!("{}", one_line(&format!("not held against the fibers: {error}"))),
+            }
         }
         Ok((folder, measurement))
     }
@@ -203,8 +210,8 @@ impl Arguments {
             let message = format!("{flag} cannot be used with --model explicit, which the cpu engine alone can do");
             return Err(Error::Input(message));
         }
+        let folder = self.folder(source, Goniometer::new(&scene.measure).starts() as u64)?;
         let (explicit, goniometer) = prepare_explicit(scene)?;
-        let folder = self.folder(source, goniometer.starts() as u64)?;
         self.tell(source, scene, notes::of_fibers(scene, &explicit, &goniometer), stop);
         let mut measurement = self.walk(&explicit, &goniometer, stop, started)?;
         measurement.clustering = explicit.clustering(&measurement.tally);
@@ -280,7 +287,10 @@ impl Arguments {
                 scene.measure.set_from_flag(key, text)?;
             }
         }
-        Ok(scene)
+        match (scene.model.medium, scene.model.conflict()) {
+            (Medium::Implicit, Some(message)) => Err(Error::Input(message)),
+            _ => Ok(scene),
+        }
     }
 }
 

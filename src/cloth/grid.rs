@@ -78,7 +78,7 @@ impl FiberGrid {
     ///
     /// # Errors
     /// Those of [`FiberGrid::new`].
-    pub fn with_cells(fibers: &[Curve], period: DVec2, counts: [u16; 3]) -> Result<FiberGrid> {
+    pub fn with_cells(fibers: &[Curve], period: DVec2, counts: [u8; 3]) -> Result<FiberGrid> {
         FiberGrid::sorted(fibers, period, |_, _| IVec3::from_array(counts.map(i32::from)))
     }
 

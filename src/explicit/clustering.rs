@@ -12,6 +12,14 @@ pub(super) struct Fates {
 }
 
 impl Fates {
+    /// Take in further walks.
+    pub fn add(&mut self, other: &Fates) {
+        self.walks += other.walks;
+        self.reflected += other.reflected;
+        self.transmitted += other.transmitted;
+        self.direct += other.direct;
+    }
+
     /// Of walks that ended in these bins.
     pub fn of(layout: BinLayout, bins: impl Iterator<Item = usize>) -> Fates {
         let mut fates = Fates::default();

@@ -9,9 +9,12 @@ use crate::scene::Scene;
 use crate::tables::Kind;
 use crate::walk::{Score, WalkPlan, Walker};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-/// Fewest walks through one realization, all starts together.
+/// Most walks of a start through one realization: so that some thousands of them see more than one cloth.
+const MOST_OF_START: usize = 256;
+/// Fewest walks through one realization, all starts together, as long as no start has more than that.
 const FEWEST_WALKS: usize = 4096;
 /// Bytes of a realization that are worth one more walk through it.
 const BYTES_PER_WALK: usize = 256;
@@ -26,9 +29,11 @@ pub struct Explicit {
     places: Vec<usize>,
     half_length: f64,
     walks_per_realization: usize,
+    most_of_start: usize,
     bytes: [usize; 2],
     pieces: usize,
-    fates: Mutex<Vec<Fates>>,
+    /// By number of the realization.
+    fates: Mutex<BTreeMap<u64, Fates>>,
 }
 
 impl Explicit {
@@ -62,9 +67,10 @@ impl Explicit {
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
             walks_per_realization: walks_per_realization.unwrap_or(by_size),
+            most_of_start: if walks_per_realization.is_some() { usize::MAX } else { MOST_OF_START },
             bytes: first.bytes(),
             pieces: first.tubes().len(),
-            fates: Mutex::new(Vec::new()),
+            fates: Mutex::new(BTreeMap::new()),
         })
     }
 
@@ -85,13 +91,13 @@ impl Explicit {
 
     /// Walks of each start through one realization: walk i goes through realization ⌊i / this⌋.
     pub fn walks_of_start(&self, starts: usize) -> u64 {
-        (self.walks_per_realization / starts).max(1) as u64
+        (self.walks_per_realization / starts).clamp(1, self.most_of_start) as u64
     }
 
     /// How much the walks of one realization resemble each other, from all runs so far that `tally` holds.
     pub fn clustering(&self, tally: &Tally) -> Option<Clustering> {
         let fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        Clustering::new(&fates, tally)
+        Clustering::new(&fates.values().copied().collect::<Vec<_>>(), tally)
     }
 
     /// The walks of a plan that go through one realization, each with its start.
@@ -129,9 +135,10 @@ impl Walker for Explicit {
             let parts: Vec<Vec<(usize, Score)>> =
                 some.par_iter().map(|&number| self.walk_through(goniometer, plan, number)).collect::<Result<_>>()?;
             let mut fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            for scores in &parts {
+            for (number, scores) in some.iter().zip(&parts) {
                 scores.iter().for_each(|(start, score)| score.add_to(&mut tally, *start));
-                fates.push(Fates::of(tally.layout, scores.iter().map(|(_, score)| score.bin())));
+                let own = Fates::of(tally.layout, scores.iter().map(|(_, score)| score.bin()));
+                fates.entry(*number).or_default().add(&own);
             }
             drop(fates);
             progress(&tally);

@@ -48,12 +48,13 @@ impl AgainstFibers {
                 *sum = (sum.0 + share.value, sum.1 + share.value.powi(2));
             }
         }
-        let n = REALIZATIONS as f64;
+        let (n, walks) = (REALIZATIONS as f64, REALIZATIONS * each * starts);
         let fibers = sums.map(|(sum, square)| {
             let value = sum / n;
-            Estimate { value, stderr: ((square / n - value * value).max(0.0) / (n - 1.0)).sqrt() }
+            // Of few realizations the scatter may come out too small: walks alone leave this much.
+            let alone = (value * (1.0 - value) / walks as f64).max(0.0).sqrt().max(1.0 / walks as f64);
+            Estimate { value, stderr: ((square / n - value * value).max(0.0) / (n - 1.0)).sqrt().max(alone) }
         });
-        let walks = REALIZATIONS * each * starts;
         Ok(Some(AgainstFibers { walks, channel, fibers, medium: means(tally, channel) }))
     }
 

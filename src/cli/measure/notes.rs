@@ -6,7 +6,7 @@ use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop};
-use fiberwalk::scene::{Packing, Scene, Structure};
+use fiberwalk::scene::{Packing, Placement, Scene, Structure};
 use fiberwalk::tables::Kind;
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ const MOST_ABSORPTION: f64 = 2e3;
 const GREEN: f64 = 550e-6;
 
 /// Standard errors by which the medium is off before a warning is given, and the share of the value.
-const SURELY: f64 = 4.0;
+const SURELY: f64 = 6.0;
 const NOTABLE: f64 = 0.03;
 
 /// The medium, and what sends walks through it.
@@ -128,12 +128,15 @@ pub fn of_stop(stop: Stop, explicit: bool) -> Option<String> {
 }
 
 /// How much the walks of one realization resemble each other.
-pub fn of_clustering(clustering: &Clustering) -> String {
+pub fn of_clustering(clustering: Option<&Clustering>) -> String {
+    let Some(clustering) = clustering else {
+        return "all walks went through one realization: the scatter between cloths is not in the errors\n".into();
+    };
     let Clustering { realizations, reflectance, transmittance, direct } = clustering;
     let factors = [reflectance, transmittance, direct].map(|factor| factor.max(1.0).sqrt());
     let [reflected, transmitted, direct] = factors;
     format!(
-        "{realizations} realizations; errors of hemispherical means take walks as independent, those of one realization are \
+        "{realizations} realizations; errors of means over all incident directions take walks as independent, those of one realization are \
          not: they are {reflected:.1} (reflected), {transmitted:.1} (transmitted), {direct:.1} (direct) times as large\n"
     )
 }
@@ -161,10 +164,10 @@ pub fn of_fibers_and_medium(scene: &Scene, against: &AgainstFibers) -> String {
     let wrong: Vec<&str> = (0..3).filter(|i| wrong(*i)).map(|i| names[i]).collect();
     if !wrong.is_empty() {
         text += &format!(
-            "warning: the medium has the light that is {} wrong by more than {:.0} % of itself; finer cells, placement \
-             \"carried\" or --model explicit may mend it\n",
-            wrong.join(" and that is "),
-            100.0 * NOTABLE
+            "warning: {} light is off by more than {:.0} % of its value; finer cells{} or --model explicit may mend it\n",
+            wrong.join(" and "),
+            100.0 * NOTABLE,
+            if scene.model.placement == Placement::Carried { "" } else { ", placement \"carried\"" },
         );
     }
     text

@@ -35,28 +35,29 @@ fn probe_draw_fiber(@builtin(global_invocation_id) call: vec3u) {
     probe_outputs[call.x] = vec4u(bitcast<vec3u>(draw_fiber(words, list).p), table_index(words.y, list));
 }
 
-/// a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32), c.x = kind; gives m and the path in radii, negative when the light
+/// The passage of an input: a.xyz = m, b.xyz = p, a.w = α, b.w = number (all f32), c.x = kind.
+fn scattered(index: u32) -> Passage {
+    let a = bitcast<vec4f>(probe_inputs[index].a);
+    let b = bitcast<vec4f>(probe_inputs[index].b);
+    let across = cross(a.xyz, b.xyz);
+    let optics = kind_optics(probe_inputs[index].c.x);
+    return scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
+}
+
+/// As `scattered` says; gives m and the path in radii, negative when the light
 /// left through a base.
 @compute @workgroup_size(64)
 fn probe_scatter(@builtin(global_invocation_id) call: vec3u) {
     P = params;
-    let a = bitcast<vec4f>(probe_inputs[call.x].a);
-    let b = bitcast<vec4f>(probe_inputs[call.x].b);
-    let across = cross(a.xyz, b.xyz);
-    let optics = kind_optics(probe_inputs[call.x].c.x);
-    let out = scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
+    let out = scattered(call.x);
     probe_outputs[call.x] = bitcast<vec4u>(vec4f(out.m, select(out.path, -out.path, out.through_base == 1u)));
 }
 
-/// As `probe_scatter`; gives the way from the hit to where light leaves, in radii, and whether that is a base.
+/// As `scattered` says; gives the way from the hit to where light leaves, in radii, and whether that is a base.
 @compute @workgroup_size(64)
 fn probe_displacement(@builtin(global_invocation_id) call: vec3u) {
     P = params;
-    let a = bitcast<vec4f>(probe_inputs[call.x].a);
-    let b = bitcast<vec4f>(probe_inputs[call.x].b);
-    let across = cross(a.xyz, b.xyz);
-    let optics = kind_optics(probe_inputs[call.x].c.x);
-    let out = scatter(a.xyz, b.xyz, across, length(across), optics, a.w, b.w);
+    let out = scattered(call.x);
     probe_outputs[call.x] = bitcast<vec4u>(vec4f(out.displacement, f32(i32(out.through_base))));
 }
 

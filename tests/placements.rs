@@ -295,17 +295,10 @@ fn share(count: u64, walks: u64) -> (f64, f64) {
 
 /// Two kinds that absorb, in a sheet of a millimetre, from both sides.
 fn dyed() -> Cloth {
-    let second = Kind {
-        radius_um: 6.0,
-        ior: 1.33,
-        absorption: rgb([0.5, 3.0, 9.0]),
-        length_density: 90.0,
-        orientation: aligned([0.1, 0.9, 0.2]),
-    };
     let sides = "[\"front\", \"back\"]".into();
     Cloth {
         absorption: rgb([4.0, 2.0, 0.4]),
-        more_kinds: vec![second],
+        more_kinds: vec![Kind::dyed(90.0)],
         sides,
         radius_um: 30.0,
         ..Cloth::new(30.0, ISOTROPIC)

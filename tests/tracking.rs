@@ -82,14 +82,7 @@ fn cases() -> Vec<Case> {
 
 /// Two kinds of fiber that absorb.
 fn dyed() -> Cloth {
-    let second = Kind {
-        radius_um: 6.0,
-        ior: 1.33,
-        absorption: rgb([0.5, 3.0, 9.0]),
-        length_density: 90.0,
-        orientation: aligned([0.1, 0.9, 0.2]),
-    };
-    Cloth { absorption: rgb([4.0, 2.0, 0.4]), more_kinds: vec![second], ..Cloth::new(60.0, ISOTROPIC) }
+    Cloth { absorption: rgb([4.0, 2.0, 0.4]), more_kinds: vec![Kind::dyed(90.0)], ..Cloth::new(60.0, ISOTROPIC) }
 }
 
 /// Run an engine, each from random numbers of its own. Roulette ends walks at numbers of events, which trackings do

@@ -76,13 +76,13 @@ impl Comparison {
 /// covariance −⟨w⟩_i⟨w⟩_j of its cells into account: a walk leaves in one of them.
 pub fn compare(a: &Tally, b: &Tally) -> Comparison {
     let (error, resolution) = error_norm(a, b);
-    let mut family = Family::default();
+    let mut family = Family { straight: a.straight != b.straight, ..Family::default() };
     for channel in 0..a.channels().max(b.channels()) {
         family.add_channel(a, b, channel);
     }
     let difference = |start| (direct(a, start).value - direct(b, start).value, start);
     let most = (0..a.starts()).map(difference).max_by(|x, y| x.0.abs().total_cmp(&y.0.abs())).unwrap_or_default();
-    let Family { tested, seen, cell, pooled, channels } = family;
+    let Family { tested, seen, cell, pooled, channels, .. } = family;
     let corrected = |cell: CellDifference| CellDifference { probability: sidak(cell.probability, tested), ..cell };
     let over_channels =
         |pooled: PooledDifference| PooledDifference { probability: sidak(pooled.probability, channels), ..pooled };
@@ -139,6 +139,9 @@ fn light(tally: &Tally, start: usize, bin: usize, channel: usize) -> Moments {
 /// The tests that belong together.
 #[derive(Default)]
 struct Family {
+    /// Straight rays say for one of the tallies, and not alike for both, how much light meets fibers: then exit cells are
+    /// compared among the walks that did.
+    straight: bool,
     tested: usize,
     seen: usize,
     cell: Option<CellDifference>,
@@ -172,13 +175,14 @@ impl Family {
         let (mut chi_square, mut freedom) = (0.0, 0);
         for start in 0..a.starts() {
             let mut pool = Pool::default();
+            let walks =
+                [a, b].map(|tally| tally.walks_per_incident() - if self.straight { tally.direct(start) } else { 0 });
             // Direct light is the same in all channels. What straight rays say of it is held against it apart from the walks.
-            let straight = a.straight != b.straight;
-            if straight && channel == 0 {
+            if self.straight && channel == 0 {
                 freedom += usize::from(self.add_straight(a, b, start, &mut chi_square));
             }
-            for bin in (0..exits).chain((channel == 0 && !straight).then_some(untouched)) {
-                let pair = Pair::new(a, b, start, bin, channel);
+            for bin in (0..exits).chain((channel == 0 && !self.straight).then_some(untouched)) {
+                let pair = Pair::new(a, b, walks, start, bin, channel);
                 self.seen += usize::from(pair.pooled.value > 0.0);
                 if !pair.tells() {
                     continue;
@@ -194,7 +198,7 @@ impl Family {
                     self.cell = Some(CellDifference { start, bin, channel, shares: [of(a), of(b)], probability });
                 }
             }
-            let (value, degrees) = pool.chi_square(walks_of(a, b, start));
+            let (value, degrees) = pool.chi_square(walks);
             chi_square += value;
             freedom += degrees;
         }
@@ -206,13 +210,6 @@ impl Family {
             }
         }
     }
-}
-
-/// Walks of a start that the light of an exit cell is compared among: those that met fibers when straight rays say for one of
-/// the tallies, and not alike for both, how many do.
-fn walks_of(a: &Tally, b: &Tally, start: usize) -> [u64; 2] {
-    let straight = a.straight != b.straight;
-    [a, b].map(|tally| tally.walks_per_incident() - if straight { tally.direct(start) } else { 0 })
 }
 
 /// One bin in both tallies.
@@ -230,9 +227,8 @@ struct Pooled {
 }
 
 impl Pair {
-    fn new(a: &Tally, b: &Tally, start: usize, bin: usize, channel: usize) -> Pair {
+    fn new(a: &Tally, b: &Tally, walks: [u64; 2], start: usize, bin: usize, channel: usize) -> Pair {
         let both = [a, b];
-        let walks = walks_of(a, b, start);
         let light = both.map(|tally| light(tally, start, bin, channel));
         let units = both.map(Tally::unit);
         let total = (walks[0] + walks[1]).max(1) as f64;

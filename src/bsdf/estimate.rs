@@ -54,23 +54,40 @@ pub fn mean_weight(moments: Moments, walks: u64, unit: u64) -> Estimate {
 ///
 /// Where straight rays say how much touches no fiber, the walks say how the rest is shared out.
 pub fn share(tally: &Tally, start: usize, walks: u64, light: Moments) -> Estimate {
-    let entered = walks - tally.direct(start);
-    // Where no walk met a fiber, none says where the rest goes.
-    match tally.straight.as_ref().map(|straight| straight[start]).filter(|_| entered > 0) {
-        None => mean_weight(light, walks, tally.unit()),
-        Some(straight) => {
-            let Estimate { value, stderr } = mean_weight(light, entered, tally.unit());
-            let rest = 1.0 - straight.value;
-            Estimate { value: rest * value, stderr: (rest * stderr).hypot(value * straight.stderr) }
+    let Basis { walks, share } = Basis::new(tally, start, walks);
+    let Estimate { value, stderr } = mean_weight(light, walks, tally.unit());
+    Estimate { value: share.value * value, stderr: (share.value * stderr).hypot(value * share.stderr) }
+}
+
+/// The walks of a start that say where light goes, and the share of all light that they stand for.
+pub(super) struct Basis {
+    pub walks: u64,
+    pub share: Estimate,
+}
+
+impl Basis {
+    /// All walks for all light; those that met a fiber for the rest where straight rays say how much touches none.
+    pub fn new(tally: &Tally, start: usize, walks: u64) -> Basis {
+        match straight(tally, start, walks) {
+            None => Basis { walks, share: Estimate { value: 1.0, stderr: 0.0 } },
+            Some(Straight { value, stderr }) => {
+                Basis { walks: walks - tally.direct(start), share: Estimate { value: 1.0 - value, stderr } }
+            }
         }
     }
 }
 
+/// What straight rays say of a start; where no walk met a fiber, none says where the rest goes, and the walks say all.
+fn straight(tally: &Tally, start: usize, walks: u64) -> Option<Straight> {
+    let straight = tally.straight.as_ref().map(|straight| straight[start]);
+    straight.filter(|_| tally.direct(start) < walks)
+}
+
 /// The share of the light of a start that touches no fiber.
 pub fn direct(tally: &Tally, start: usize) -> Estimate {
-    let (untouched, walks) = (tally.direct(start), tally.walks_per_incident());
-    match tally.straight.as_ref().map(|straight| straight[start]).filter(|_| untouched < walks) {
-        None => probability(untouched, walks),
+    let walks = tally.walks_per_incident();
+    match straight(tally, start, walks) {
+        None => probability(tally.direct(start), walks),
         Some(Straight { value, stderr }) => Estimate { value, stderr },
     }
 }
@@ -105,16 +122,15 @@ pub fn noise(tally: &Tally) -> f64 {
         if walks == 0 {
             continue;
         }
+        // More walks do not lessen the error of straight rays, which is left out.
+        let Basis { walks, share } = Basis::new(tally, start, walks);
         for bin in 0..2 * tally.layout.exit_cells {
             for channel in 0..tally.channels() {
                 let light = tally.light(start, bin, channel);
                 if light.sum > 0 {
-                    // More walks do not lessen the error of straight rays.
-                    let Estimate { value, .. } = share(tally, start, walks, light);
-                    let entered = if tally.straight.is_some() { walks - tally.direct(start) } else { walks };
-                    let own = mean_weight(light, entered, tally.unit());
-                    square += value * value;
-                    variance += (own.stderr * value / own.value).powi(2);
+                    let Estimate { value, stderr } = mean_weight(light, walks, tally.unit());
+                    square += (share.value * value).powi(2);
+                    variance += (share.value * stderr).powi(2);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Whether light takes the same way back: f(wi, wo) = f(wo, wi). Flights that start where light leaves a fiber do not, near faces
 //! and where densities change: then the residual holds that error of the model.
 
-use super::estimate::Component;
+use super::estimate::{Basis, Component};
 use super::significance::chi_square_tail;
 use crate::goniometer::{Goniometer, Incidence, Moments, Tally};
 use crate::scene::Side;
@@ -50,12 +50,9 @@ pub fn reciprocity(
     let cells = incident.cells();
     let scale = 1.0 / (tally.unit() as f64 * tally.walks_per_incident() as f64);
     // Straight rays may know better how much light meets fibers at all.
-    let factor = |start: usize| match &tally.straight {
-        Some(straight) if tally.direct(start) < tally.walks_per_incident() => {
-            let entered = tally.walks_per_incident() - tally.direct(start);
-            (1.0 - straight[start].value) * tally.walks_per_incident() as f64 / entered as f64
-        }
-        _ => 1.0,
+    let factor = |start: usize| {
+        let Basis { walks, share } = Basis::new(tally, start, tally.walks_per_incident());
+        share.value * tally.walks_per_incident() as f64 / walks as f64
     };
     let (mut excess, mut square) = (0.0, 0.0);
     let mut residual = Residual::default();

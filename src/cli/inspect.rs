@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return woven::run(&scene, cloth, &prepared, &folder, arguments.width.unwrap_or(1600));
     }
     let sheet = scene.sheet()?;
-    let tables = format!("memory           tables {}\n", beside_fibers(prepared.tables.bytes(), &scene)?);
+    let tables = format!("memory           tables {}\n", beside_fibers(&scene, &prepared)?);
     print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&prepared)))
 }
 
@@ -144,13 +144,17 @@ fn results(prepared: &Prepared) -> String {
 
 /// The size of the tables, and that of a realization of the fibers that the explicit model would use in their place; its
 /// fibers are laid at random, which does not change their number.
-fn beside_fibers(tables: usize, scene: &Scene) -> Result<String> {
-    let drawn = Realizer::new(scene, Packing::Random)?.draw(0)?;
+fn beside_fibers(scene: &Scene, prepared: &Prepared) -> Result<String> {
+    let realizer = match &prepared.cloth {
+        Some(cloth) => Realizer::of_yarns(cloth.clone(), Packing::Random),
+        None => Realizer::new(scene, Packing::Random)?,
+    };
+    let drawn = realizer.draw(0)?;
     let [pieces, grid] = FiberGrid::new(&drawn.fibers, drawn.period)?.bytes();
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     Ok(format!(
         "{:.1} MiB; of the explicit model {:.1} MiB a realization, {:.1} of pieces and {:.1} of the grid that finds them",
-        mib(tables),
+        mib(prepared.tables.bytes()),
         mib(pieces + grid),
         mib(pieces),
         mib(grid)

@@ -85,9 +85,8 @@ impl FiberGrid {
     /// Sort them into cells, of which there are as many as follow from the size of the grid and the thinnest radius.
     fn sorted(fibers: &[Curve], period: DVec2, counts: impl Fn(DVec3, f64) -> IVec3) -> Result<FiberGrid> {
         let mut tubes = Vec::new();
-        let wrap = |start: DVec3| start - (period * (start.truncate() / period).floor()).extend(0.0);
         for (fiber, curve) in fibers.iter().enumerate() {
-            Tube::of_curve(curve, fiber as u32, wrap, |tube| tubes.push(tube));
+            Tube::of_curve(curve, fiber as u32, |start| inside(start, period), |tube| tubes.push(tube));
         }
         if tubes.is_empty() || tubes.len() >= 1 << TUBE_BITS {
             let (count, most) = (tubes.len(), 1 << TUBE_BITS);
@@ -289,10 +288,7 @@ impl FiberGrid {
 
     /// The image of a point inside the repeat.
     pub fn come_back(&self, point: DVec3) -> DVec3 {
-        let across = point.truncate();
-        let inside = across - self.period * (across / self.period).floor();
-        // Rounding may bring it to the far face.
-        DVec2::select(inside.cmplt(self.period), inside, DVec2::ZERO).extend(point.z)
+        inside(point, self.period)
     }
 
     /// Its pieces; those of a fiber follow each other. Their starts lie inside the repeat.
@@ -314,6 +310,14 @@ impl FiberGrid {
     pub fn bytes(&self) -> [usize; 2] {
         [self.tubes.len() * size_of::<Tube>(), (self.first.len() + self.entries.len()) * size_of::<u32>()]
     }
+}
+
+/// The image of a point inside a repeat with this period.
+fn inside(point: DVec3, period: DVec2) -> DVec3 {
+    let across = point.truncate();
+    let inside = across - period * (across / period).floor();
+    // Rounding may bring it to the far face.
+    DVec2::select(inside.cmplt(period), inside, DVec2::ZERO).extend(point.z)
 }
 
 fn sign(forwards: bool) -> i32 {

@@ -150,11 +150,10 @@ impl SpecificLength {
             let message = format!("radius × length of the fibers is {area:.0} mm² in all, too much to be counted");
             return Err(Error::Input(message));
         }
-        let found = sums.finish(element, model, &grids);
-        if let Some(full) = too_full(&found.0, &sums, element.radii) {
+        let (mut specific_length, mut gathering, fractions) = sums.finish(element, model, &grids);
+        if let Some(full) = too_full(&fractions, &sums) {
             return Err(refuse(element, model, &sums, full));
         }
-        let (mut specific_length, mut gathering) = found;
         match &sums.voids {
             Some(voids) => gathering.voids = Some(voids.place(&mut specific_length)),
             None => specific_length.place(model.placement, |kind| element.radii[kind])?,
@@ -291,7 +290,8 @@ impl Sums {
         if mean > 0.0 { variance.sqrt() / mean } else { 0.0 }
     }
 
-    fn finish(&self, element: &Element, model: &Model, grids: &Grids) -> (SpecificLength, Gathering) {
+    /// The means, how they were gathered, and the volume fractions of the cells.
+    fn finish(&self, element: &Element, model: &Model, grids: &Grids) -> (SpecificLength, Gathering, Vec<f64>) {
         let grid = DirectionGrid { n: model.directions.isqrt() };
         let radius = |kind: usize| element.radii[kind];
         let Lists { lists, of_cell, spread_error } =
@@ -314,17 +314,16 @@ impl Sums {
             list_counts: grids.list_counts(),
             voids: None,
         };
-        (specific_length, gathering)
+        (specific_length, gathering, fractions)
     }
 }
 
-/// The cell that is most surely too full, and its volume fraction.
-fn too_full(specific_length: &SpecificLength, sums: &Sums, radii: &[f64]) -> Option<(usize, f64)> {
+/// The cell that is most surely too full, and its volume fraction, among those of all cells.
+fn too_full(fractions: &[f64], sums: &Sums) -> Option<(usize, f64)> {
     // Of a few realizations the spread is not known.
     if sums.realizations < FEWEST {
         return None;
     }
-    let fractions = specific_length.volume_fractions(|kind| radii[kind]);
     let surely = |&i: &usize| fractions[i] * (1.0 - SURELY * sums.relative_error(i));
     let fullest = (0..fractions.len()).max_by(|a, b| surely(a).total_cmp(&surely(b)))?;
     (surely(&fullest) > MAX_VOLUME_FRACTION).then(|| (fullest, fractions[fullest]))
@@ -340,7 +339,7 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
         coarse.cells.counts = coarse.cells.counts.map(|count| count.div_ceil(2));
         let grids = Grids { voids: false, ..grids(&coarse, model) };
         let Ok(counted) = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {}) else { break };
-        if too_full(&counted.finish(&coarse, model, &grids).0, &counted, coarse.radii).is_none() {
+        if too_full(&counted.finish(&coarse, model, &grids).2, &counted).is_none() {
             cure = format!("take fewer cells, such as cells = {:?}, or ", coarse.cells.counts);
         }
     }

@@ -33,7 +33,7 @@ impl<'a> StraightLight<'a> {
     }
 
     /// Whether a realization is one of those that rays go through.
-    pub fn wants(&self, number: u64) -> bool {
+    fn wants(&self, number: u64) -> bool {
         number < REALIZATIONS && !self.seen().contains_key(&number)
     }
 

@@ -4,9 +4,7 @@ use crate::cloth::{FiberGrid, Way, Work};
 use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::Encounter;
 use crate::tables::Kind;
-use crate::walk::{
-    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform,
-};
+use crate::walk::{EventDraws, Purpose, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform};
 
 /// What light meets.
 #[derive(Clone, Copy)]
@@ -59,7 +57,7 @@ pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: us
         walked.record.hits += 1;
         if roulette && (hit + 1) % ROULETTE_EVERY == 0 {
             let number = uniform(draw(plan.seed, id, hit / ROULETTE_EVERY, Purpose::Roulette)[0]);
-            if !survive(&mut walked, kinds, number) {
+            if !walked.survives(kinds, number) {
                 walked.record.bin = layout.outcome(Outcome::Ended) as u32;
                 return walked;
             }
@@ -67,16 +65,4 @@ pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: us
     }
     walked.record.bin = layout.outcome(Outcome::Lost) as u32;
     walked
-}
-
-/// Play Russian roulette with a walk whose brightest channel may have kept little: it goes on with the probability of
-/// what it kept, and then carries all of it.
-fn survive(walked: &mut Walked, kinds: &[Kind], number: f64) -> bool {
-    let depth = walked.clearest_depth(kinds);
-    let kept = (walked.log_gain - depth).exp();
-    if kept >= ROULETTE_BELOW {
-        return true;
-    }
-    walked.log_gain = depth;
-    number < kept
 }

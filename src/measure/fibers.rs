@@ -8,6 +8,7 @@ use crate::explicit::Explicit;
 use crate::goniometer::Tally;
 use crate::scene::Scene;
 use crate::walk::{WalkPlan, Walker};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Realizations, and walks through each, all starts together.
@@ -40,13 +41,14 @@ impl AgainstFibers {
         let explicit = Explicit::drawn(scene, Some(WALKS as usize), move |number| realizer.draw(number))?;
         let each = explicit.walks_of_start(starts as usize);
         let channel = tally.channels() / 2;
-        let mut sums = [(0.0, 0.0); 3];
-        for number in 0..REALIZATIONS {
+        let through = |number| {
             let plan = WalkPlan { first: number * each, ..WalkPlan::new(!seed, each) };
-            let part = explicit.run(goniometer, &plan, &mut |_| {})?;
-            for (sum, share) in sums.iter_mut().zip(means(&part, channel)) {
-                *sum = (sum.0 + share.value, sum.1 + share.value.powi(2));
-            }
+            Ok(means(&explicit.run(goniometer, &plan, &mut |_| {})?, channel))
+        };
+        let parts: Vec<[Estimate; 3]> = (0..REALIZATIONS).into_par_iter().map(through).collect::<Result<_>>()?;
+        let mut sums = [(0.0, 0.0); 3];
+        for (sum, share) in parts.iter().flat_map(|part| (0..3).zip(part)) {
+            sums[sum] = (sums[sum].0 + share.value, sums[sum].1 + share.value.powi(2));
         }
         let (n, walks) = (REALIZATIONS as f64, REALIZATIONS * each * starts);
         let fibers = sums.map(|(sum, square)| {

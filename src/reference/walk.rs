@@ -154,7 +154,8 @@ fn go_on(
         }
         if roulette && (event + 1) % ROULETTE_EVERY == 0 {
             let round = event / ROULETTE_EVERY;
-            if !survive(&mut walked, tables, draw(plan.seed, id, round, Purpose::Roulette), witness) {
+            let number = uniform(draw(plan.seed, id, round, Purpose::Roulette)[0]);
+            if !survive(&mut walked, tables, number, witness) {
                 walked.record.bin = layout.outcome(Outcome::Ended) as u32;
                 return walked;
             }
@@ -185,18 +186,14 @@ fn scatter(
     encounter.pass(number, half_length)
 }
 
-/// Play Russian roulette with a walk whose brightest channel may have kept little: it goes on with the probability of
-/// what it kept, and then carries all of it.
-fn survive(walked: &mut Walked, tables: &SamplingTables, words: [u32; 4], witness: &mut impl Witness) -> bool {
-    let depth = walked.clearest_depth(&tables.kinds);
-    let kept = (walked.log_gain - depth).exp();
+/// Play Russian roulette with a walk.
+fn survive(walked: &mut Walked, tables: &SamplingTables, number: f64, witness: &mut impl Witness) -> bool {
+    let kept = walked.kept(&tables.kinds);
     witness.decide(|| kept - ROULETTE_BELOW);
-    if kept >= ROULETTE_BELOW {
-        return true;
+    if kept < ROULETTE_BELOW {
+        witness.decide(|| number - kept);
     }
-    witness.decide(|| uniform(words[0]) - kept);
-    walked.log_gain = depth;
-    uniform(words[0]) < kept
+    walked.survives(&tables.kinds, number)
 }
 
 /// Distance of an exit from the edge of its bin: in cells, and from the horizon.

@@ -1,6 +1,6 @@
 //! What a finished walk adds to the tally, for engines on the host.
 
-use super::plan::{WalkPlan, WalkRecord};
+use super::plan::{ROULETTE_BELOW, WalkPlan, WalkRecord};
 use super::rng::{Purpose, draw};
 use super::uniform;
 use crate::goniometer::{Counts, Goniometer, Outcome, Tally, WEIGHT};
@@ -29,8 +29,24 @@ impl Walked {
     }
 
     /// Optical depth of its way inside fibers, in the channel that absorbs least.
-    pub fn clearest_depth(&self, kinds: &[Kind]) -> f64 {
+    fn clearest_depth(&self, kinds: &[Kind]) -> f64 {
         kinds.iter().zip(&self.lengths).map(|(kind, length)| kind.clearest() * length).sum()
+    }
+
+    /// Share of its light that it may have kept in its brightest channel.
+    pub fn kept(&self, kinds: &[Kind]) -> f64 {
+        (self.log_gain - self.clearest_depth(kinds)).exp()
+    }
+
+    /// Play Russian roulette with a number uniform in (0, 1), if it may have kept little: it goes on with the probability of
+    /// what it kept, and then carries all of it. Whether it goes on.
+    pub fn survives(&mut self, kinds: &[Kind], number: f64) -> bool {
+        let kept = self.kept(kinds);
+        if kept >= ROULETTE_BELOW {
+            return true;
+        }
+        self.log_gain = self.clearest_depth(kinds);
+        number < kept
     }
 }
 

@@ -81,19 +81,13 @@ impl CellCloth {
 /// Cells at random: seven of ten empty, in clumps, densities over a factor of 10, two kinds that absorb, three lists.
 pub fn random_cells(seed: u64) -> CellCloth {
     let mut random = SplitMix(seed);
-    let second = Kind {
-        radius_um: 6.0,
-        ior: 1.33,
-        absorption: rgb([0.5, 3.0, 9.0]),
-        length_density: 40.0,
-        orientation: aligned([0.1, 0.9, 0.2]),
-    };
     let base = Cloth {
         absorption: rgb([2.0, 1.0, 0.2]),
         sides: "[\"front\", \"back\"]".into(),
         ..Cloth::new(60.0, ISOTROPIC)
     };
-    let mixed = Cloth { more_kinds: vec![second], ..base.clone() }.lit_from("[[12, 10], [47, 100], [83, -130]]");
+    let mixed =
+        Cloth { more_kinds: vec![Kind::dyed(40.0)], ..base.clone() }.lit_from("[[12, 10], [47, 100], [83, -130]]");
     let lists = [ISOTROPIC.to_owned(), PLANAR.to_owned(), aligned([0.6, 0.0, 0.8])]
         .map(|orientation| list_of(&Cloth { fibers: vec![(60.0, orientation)], ..mixed.clone() }));
     let mut cells = CellCloth::new(mixed, [9, 7, 6], [1.3, 0.9], |_| 0.0);

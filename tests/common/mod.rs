@@ -62,6 +62,19 @@ pub struct Cloth {
     pub exit: u32,
 }
 
+impl Kind {
+    /// A second kind beside that of the cloth: thinner, of another index, red.
+    pub fn dyed(length_density: f64) -> Kind {
+        Kind {
+            radius_um: 6.0,
+            ior: 1.33,
+            absorption: rgb([0.5, 3.0, 9.0]),
+            length_density,
+            orientation: aligned([0.1, 0.9, 0.2]),
+        }
+    }
+}
+
 pub const ISOTROPIC: &str = "orientation = \"isotropic\"";
 pub const PLANAR: &str = "orientation = \"planar\"";
 

@@ -137,6 +137,6 @@ fn medium(scene: &Scene, prepared: &Prepared) -> Result<String> {
         let _ = writeln!(text, "warning          {warning}");
     }
     text += &light(scene, prepared);
-    let _ = writeln!(text, "tables           {}", beside_fibers(tables.bytes(), scene)?);
+    let _ = writeln!(text, "tables           {}", beside_fibers(scene, prepared)?);
     Ok(text)
 }

@@ -11,14 +11,16 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Realizations that rays of one bank go through; of those that a calculator draws, further ones are not looked at.
-const REALIZATIONS: u64 = 32;
+/// Realizations that rays of one bank go through.
+const REALIZATIONS: u64 = 8;
+/// Realizations that a calculator shows, of which direct light is the mean; further ones are not looked at.
+const SHOWN: u64 = 32;
 /// Rays through each, all starts together.
 const RAYS: usize = 1 << 14;
 /// Fewest rays of a start through each.
 const FEWEST: usize = 16;
 /// Walks that set out along one ray, before rays through other realizations take its place.
-const WALKS_A_RAY: u64 = 4;
+const WALKS_A_RAY: u64 = 2;
 /// The rays do not depend on the seed of the walks.
 const SEED: u64 = 0;
 /// Root of x⁵ = x + 1, whose powers make the most even additive sequence in four dimensions (Roberts 2018).
@@ -43,22 +45,23 @@ impl StraightRays {
         StraightRays { goniometer: goniometer.clone(), places, seen: Mutex::new(BTreeMap::new()) }
     }
 
-    /// Numbers of the realizations that rays of a bank go through.
-    pub fn wanted(bank: u64) -> Range<u64> {
-        bank * REALIZATIONS..(bank + 1) * REALIZATIONS
+    /// Numbers of the realizations that rays are to go through before the first walk.
+    pub fn wanted() -> Range<u64> {
+        0..SHOWN
     }
 
-    /// Memory in bytes of one bank of rays of so many starts.
-    pub fn bank_bytes(starts: usize) -> usize {
-        (RAYS / starts).max(FEWEST) * REALIZATIONS as usize * starts * size_of::<FirstHit>()
+    /// Memory in bytes of the rays of so many starts, with a bank more that is made while they last.
+    pub fn bytes(starts: usize) -> usize {
+        let realization = (RAYS / starts).max(FEWEST) * starts * size_of::<FirstHit>();
+        (SHOWN + REALIZATIONS) as usize * realization
     }
 
-    /// Send rays through a realization, if the first bank wants it.
+    /// Send rays through a realization, if it is wanted.
     ///
     /// # Errors
     /// Those of [`FiberGrid::new`].
     pub fn add(&self, number: u64, realization: &Realization) -> Result<()> {
-        if !StraightRays::wanted(0).contains(&number) || self.seen().contains_key(&number) {
+        if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
             return Ok(());
         }
         let rays = self.through(number, realization)?;
@@ -104,7 +107,7 @@ impl StraightRays {
         Ok(rays)
     }
 
-    /// The mean share over the realizations of the first bank of the light that touches nothing, and its standard error, by
+    /// The mean share over realizations of the light that touches nothing, and its standard error, by
     /// start; none before the second realization.
     pub fn light(&self) -> Option<Vec<Straight>> {
         let (seen, each) = (self.seen(), self.of_start());
@@ -129,13 +132,14 @@ impl StraightRays {
     /// Rays for the walks to set out along: of the realizations that were added, then of those that `realizer` draws.
     /// Without a realizer the first rays serve all walks.
     pub fn into_banks(self, realizer: Option<Realizer>) -> Banks {
-        let seen = std::mem::take(&mut *self.seen());
-        let first = Arc::new(self.interleaved(seen.into_values().collect()));
-        Banks { rays: self, realizer, first, last: Mutex::new(None) }
+        let seen: Vec<Vec<FirstHit>> = std::mem::take(&mut *self.seen()).into_values().collect();
+        let of_bank = if realizer.is_some() { REALIZATIONS as usize } else { seen.len().max(1) };
+        let shown = seen.chunks(of_bank).map(|some| Arc::new(self.interleaved(some))).collect();
+        Banks { rays: self, realizer, shown, last: Mutex::new(None) }
     }
 
     /// The rays of a bank start by start, those of its realizations by turns: the first few come from many of them.
-    fn interleaved(&self, realizations: Vec<Vec<FirstHit>>) -> FirstHits {
+    fn interleaved(&self, realizations: &[Vec<FirstHit>]) -> FirstHits {
         let each = self.of_start();
         let of_start = each * realizations.len();
         let mut rays = Vec::with_capacity(of_start * self.goniometer.starts());
@@ -156,37 +160,48 @@ impl StraightRays {
 pub struct Banks {
     rays: StraightRays,
     realizer: Option<Realizer>,
-    first: Arc<FirstHits>,
+    /// Rays through the realizations that a calculator showed.
+    shown: Vec<Arc<FirstHits>>,
     /// The latest one that had to be made, and its number.
     last: Mutex<Option<(u64, Arc<FirstHits>)>>,
 }
 
 impl Banks {
-    /// Rays of a start in a bank.
+    /// Rays of a start through all realizations that a calculator showed.
     pub fn of_start(&self) -> usize {
-        self.first.of_start
+        self.shown.iter().map(|bank| bank.of_start).sum()
     }
 
-    /// Memory of a bank in bytes.
+    /// Memory of these rays in bytes.
     pub fn bytes(&self) -> usize {
-        self.first.bytes()
+        self.shown.iter().map(|bank| bank.bytes()).sum()
+    }
+
+    /// Walks that set out along one ray; none where there are only these rays for all walks.
+    pub fn walks_a_ray(&self) -> Option<u64> {
+        self.realizer.as_ref().map(|_| WALKS_A_RAY)
     }
 }
 
 impl FirstHitBanks for Banks {
     fn span(&self) -> u64 {
-        if self.realizer.is_some() { WALKS_A_RAY * self.first.of_start as u64 } else { u64::MAX }
+        let of_start = REALIZATIONS * self.rays.of_start() as u64;
+        self.walks_a_ray().map_or(u64::MAX, |walks| walks * of_start)
     }
 
     fn bank(&self, number: u64) -> Result<Arc<FirstHits>> {
-        let Some(realizer) = self.realizer.as_ref().filter(|_| number > 0) else { return Ok(self.first.clone()) };
+        let shown = self.shown.get(usize::try_from(number).unwrap_or(usize::MAX));
+        let (None, Some(realizer)) = (shown, &self.realizer) else {
+            return Ok(shown.unwrap_or(&self.shown[0]).clone());
+        };
         let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if let Some((_, bank)) = last.as_ref().filter(|(known, _)| *known == number) {
             return Ok(bank.clone());
         }
         let through = |realization| self.rays.through(realization, &realizer.draw(realization)?);
-        let drawn = StraightRays::wanted(number).into_par_iter().map(through).collect::<Result<_>>()?;
-        let bank = Arc::new(self.rays.interleaved(drawn));
+        let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
+        let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
+        let bank = Arc::new(self.rays.interleaved(&drawn));
         *last = Some((number, bank.clone()));
         Ok(bank)
     }

@@ -56,7 +56,8 @@ impl Buffers {
         let traces = device.buffer("traces", (sizes.traces * size_of::<Trace>()) as u64, storage)?;
         let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
         let cells = device.buffer("cells_uniform", entries, uniform)?;
-        let first_hits = device.buffer("first_hits", size_of_val(packed.first_hits) as u64, storage)?;
+        let rays = size_of_val(packed.first_hits).max(size_of::<FirstHit>()) as u64;
+        let first_hits = device.buffer("first_hits", rays, storage)?;
         let mut views = Vec::new();
         let tables = [
             ("table_texture", packed.directions, in_texture.directions, &table),

@@ -137,7 +137,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         None => Realizer::new(scene, packing)?,
     };
     if gathering.is_none() {
-        StraightRays::wanted(0).into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
+        StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
     }
     let straight = rays.light().filter(|_| direct == Direct::Straight);
     // Separate fibers take too long to draw for fresh rays.

@@ -117,8 +117,8 @@ pub struct Model {
     pub cone: Option<f64>,
 }
 
-/// The cone of a cloth of yarns where the file does not say, in radians.
-const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// The cone of a cloth of yarns where the file does not say, in radians: directions are kept as they were counted.
+const CONE: f64 = 0.0;
 const KEYS: [&str; 9] = [
     "tracking",
     "placement",

@@ -10,9 +10,17 @@
 mod averaging;
 mod budget;
 mod configuration;
+mod cost;
+mod pilot;
+mod planner;
+mod prior;
 mod trial;
 
 pub use averaging::Averaging;
 pub use budget::{AVERAGED, Blocks, Budget, BudgetPart, Deviation, Evidence, Part, refinements};
 pub use configuration::{Configuration, Extent};
+pub use cost::{Cost, EngineClass};
+pub use pilot::Pilot;
+pub use planner::{Candidate, Plan, candidates, plan};
+pub use prior::Belief;
 pub use trial::{BLOCKS, Block, Trial};

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, clustering, against } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering, against, plan } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -64,6 +64,9 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             "fibers": of(against.fibers),
             "medium": of(against.medium),
         });
+    }
+    if let Some(plan) = plan {
+        value["plan"] = plan.clone();
     }
     if let Some(clustering) = clustering {
         value["realizations"] = json!(clustering);

@@ -1,19 +1,23 @@
 //! From counts to the BSDF with its errors.
 //!
 //! Computes: f in sr⁻¹ by incident and exit cell, reflectance, transmittance, direct light and their standard errors; whether two
-//! tallies differ; whether light is reciprocal.
+//! tallies differ; how far apart two models are, from blocks of walks; whether light is reciprocal.
 //!
 //! Inputs: a tally; projected solid angles of exit cells in sr.
 //!
 //! Differs from the paper: every value carries its standard error.
 
+mod blocks;
 mod compare;
+mod distance;
 mod estimate;
 mod reciprocity;
 mod significance;
 mod totals;
 
+pub use blocks::{BlockTotals, FEWEST_BLOCKS, block_noise, block_totals, scattered};
 pub use compare::{CellDifference, Comparison, LEVEL, PooledDifference, compare};
+pub use distance::{Distance, distance, distance_of};
 pub use estimate::{Component, Estimate, direct, mean_weight, noise, probability, share, values};
 pub use reciprocity::{Residual, reciprocity};
 pub use totals::{Totals, hemispherical, totals};

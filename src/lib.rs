@@ -17,7 +17,8 @@
 //!
 //! # Floors
 //! Data flows down once: [`scene`] → [`cloth`], of yarns → [`distribution`] → [`tables`], [`goniometer`] → an engine
-//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, and [`export`] writes the
+//! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, [`plan`] holds ways to model a
+//! scene against each other, and [`export`] writes the
 //! fibers of a cloth for other programs. No module imports one from a later floor,
 //! and the engines do not know of each other.
 
@@ -32,6 +33,7 @@ pub mod goniometer;
 pub mod gpu;
 pub mod measure;
 pub mod optics;
+pub mod plan;
 pub mod reference;
 pub mod report;
 pub mod results;

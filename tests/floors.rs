@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["bsdf"],
     &["measure"],
     &["results"],
+    &["plan"],
     &["report", "export"],
     &["cli", "main", "lib"],
 ];
@@ -29,7 +30,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables", "measure"]),
+    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables", "measure", "plan"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),

@@ -112,18 +112,33 @@ impl SpecificLength {
         see: impl Fn(u64, &Realization) -> Result<()> + Sync,
         progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
-        let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
-        let counts = model.cells.unwrap_or_else(|| default_counts(cloth));
         let realizer = Realizer::of_yarns(cloth.clone(), model.packing);
+        let draw = |number| {
+            let realization = realizer.draw(number)?;
+            see(number, &realization)?;
+            Ok(realization)
+        };
+        SpecificLength::of_draws(cloth, model, effort, &draw, progress)
+    }
+
+    /// The same from realizations of the cloth that `draw` draws from their numbers.
+    ///
+    /// # Errors
+    /// Those of [`SpecificLength::of_pieces`].
+    pub fn of_draws(
+        cloth: &Cloth,
+        model: &Model,
+        effort: Effort,
+        draw: &(dyn Fn(u64) -> Result<Realization> + Sync),
+        progress: impl FnMut(f64),
+    ) -> Result<(SpecificLength, Gathering)> {
+        let radii: Vec<f64> = cloth.kinds().iter().map(|fiber| fiber.radius).collect();
+        let counts = model.cells.unwrap_or_else(|| cells_of_edge(cloth, usual_edge(cloth)));
         let element = Element {
             cells: CellGrid { counts, period: cloth.period(), thickness: cloth.thickness() },
             list_width: cloth.spacing().extend(cloth.thickness()) * LIST_WIDTH,
             radii: &radii,
-            realize: &|number| {
-                let realization = realizer.draw(number)?;
-                see(number, &realization)?;
-                Ok(realization)
-            },
+            realize: draw,
         };
         SpecificLength::of_pieces(&element, model, effort, progress)
     }
@@ -216,18 +231,24 @@ fn grids(element: &Element, model: &Model) -> Grids {
     grids
 }
 
-/// Cells of the usual edge, fewer where that would be too many.
-fn default_counts(cloth: &Cloth) -> [u32; 3] {
+/// Radius in mm of the thinnest fiber that the threads of a cloth are made of.
+pub fn thinnest_radius(cloth: &Cloth) -> f64 {
     let kinds = cloth.used_kinds();
-    let radius = kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min);
-    let mut edge = EDGE * radius;
-    loop {
-        let counts = cloth.size().to_array().map(|size| ((size / edge).ceil() as u32).clamp(1, MOST_ALONG));
-        if counts.iter().map(|count| *count as usize).product::<usize>() <= MOST_CELLS {
-            return counts;
-        }
+    kinds.iter().map(|&kind| cloth.kinds()[kind].radius).fold(f64::INFINITY, f64::min)
+}
+
+/// Cells along x, y and z of an edge in mm, or somewhat less: at least one, and no more than a grid may have along an axis.
+pub fn cells_of_edge(cloth: &Cloth, edge: f64) -> [u32; 3] {
+    cloth.size().to_array().map(|size| ((size / edge).ceil() as u32).clamp(1, MOST_ALONG))
+}
+
+/// Edge of a cell in mm where the file does not say: two radii of the thinnest fiber, more where that would be too many cells.
+pub fn usual_edge(cloth: &Cloth) -> f64 {
+    let mut edge = EDGE * thinnest_radius(cloth);
+    while cells_of_edge(cloth, edge).iter().map(|count| *count as usize).product::<usize>() > MOST_CELLS {
         edge *= 1.1;
     }
+    edge
 }
 
 /// Sums over realizations.

@@ -131,7 +131,7 @@ impl Default for Model {
 
 impl Model {
     /// The settings of a cloth of yarns or a sheet where the file does not say.
-    pub(super) fn of(of_yarns: bool) -> Model {
+    pub fn of(of_yarns: bool) -> Model {
         let mut model = Model::default();
         if of_yarns {
             (model.cone, model.direct) = (Some(CONE), Direct::Straight);

@@ -1,0 +1,102 @@
+//! What is lost by counting many realizations into one medium.
+
+use super::budget::AVERAGED;
+use super::configuration::Extent;
+use super::trial::{BLOCKS, Trial};
+use crate::bsdf::{Distance, distance_of, scattered};
+use crate::cloth::{Realization, Realizer};
+use crate::distribution::{Effort, SpecificLength};
+use crate::error::Result;
+use crate::goniometer::{Goniometer, Straight, Tally};
+use crate::measure::Prepared;
+use crate::scene::Scene;
+use crate::tables::SamplingTables;
+use crate::walk::{Engine, Implicit, WalkPlan, Walker};
+
+/// Media of single realizations, and the medium of their mean.
+///
+/// Light sees one realization at a time, a medium the mean of many: the mean of what light does is not what it does in the mean.
+/// Both sides have the same realizations, so that what they differ by as single draws drops out to first order; of G
+/// realizations they share, the mean differs from that of many by the share 1/G of the effect.
+pub struct Averaging {
+    singles: Vec<SamplingTables>,
+    mean: SamplingTables,
+    goniometer: Goniometer,
+    straight: Option<Vec<Straight>>,
+}
+
+impl Averaging {
+    /// Count each of the first `realizations` of a prepared medium of yarns alone, and all together; none of a sheet, whose
+    /// density is stated. `scene` is that which the medium was prepared from.
+    ///
+    /// # Errors
+    /// Those of [`SpecificLength::of_draws`]: a single realization may be too dense for a cell where the mean of many is not.
+    pub fn new(scene: &Scene, prepared: &Prepared, realizations: u64) -> Result<Option<Averaging>> {
+        let Some(cloth) = &prepared.cloth else { return Ok(None) };
+        let realizer = Realizer::of_yarns(cloth.clone(), scene.model.packing);
+        let drawn: Vec<Realization> = (0..realizations).map(|number| realizer.draw(number)).collect::<Result<_>>()?;
+        let tables = |count: u64, which: &(dyn Fn(u64) -> usize + Sync)| {
+            let draw = |number| Ok(drawn[which(number)].clone());
+            let (length, _) =
+                SpecificLength::of_draws(cloth, &scene.model, Effort::Realizations(count), &draw, |_| {})?;
+            SamplingTables::new(scene, &length)
+        };
+        // A realization counted twice is the mean of itself.
+        let singles = (0..drawn.len()).map(|number| tables(2, &|_| number)).collect::<Result<_>>()?;
+        let mean = tables(realizations, &|number| number as usize)?;
+        let (goniometer, straight) = (prepared.goniometer.clone(), prepared.straight.clone());
+        Ok(Some(Averaging { singles, mean, goniometer, straight }))
+    }
+
+    /// E of a trial of a medium by [`Averaging::distance`], with the first [`AVERAGED`] realizations; or why there is none.
+    ///
+    /// # Errors
+    /// A sentence that says why it does not apply or could not be measured.
+    pub fn of(
+        scene: &Scene,
+        extent: &Extent,
+        trial: &Trial,
+        engine: &dyn Engine,
+        seed: u64,
+        walks: u64,
+    ) -> std::result::Result<Distance, String> {
+        let none = "no realizations are counted: the density is stated";
+        let medium = trial.medium().ok_or(none)?;
+        let scene = trial.configuration().apply(scene, extent);
+        let averaging = Averaging::new(&scene, medium, AVERAGED).map_err(|error| error.to_string())?.ok_or(none)?;
+        // Walks of their own, independent of those of the trial.
+        let seed = !trial.configuration().seed(seed);
+        averaging.distance(engine, seed, walks).map_err(|error| error.to_string())
+    }
+
+    /// E between the mean over the media of single realizations and the medium of their mean, with `walks` walks of each start in
+    /// each of [`BLOCKS`] blocks of both.
+    ///
+    /// # Errors
+    /// Those of [`Engine::run`].
+    pub fn distance(&self, engine: &dyn Engine, seed: u64, walks: u64) -> Result<Distance> {
+        let each = walks.div_ceil(self.singles.len() as u64);
+        let run = |tables: &SamplingTables, first: u64, walks: u64| -> Result<Tally> {
+            let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+            let medium = Implicit { engine, tables, straight: self.straight.as_deref() };
+            let tally = medium.run(&self.goniometer, &plan, &mut |_| {})?;
+            tally.check(walks)?;
+            Ok(tally)
+        };
+        let (mut apart, mut together) = (Vec::new(), Vec::new());
+        let mut next = 0;
+        for _ in 0..BLOCKS {
+            let mut light: Vec<f64> = Vec::new();
+            for tables in &self.singles {
+                let part = scattered(&run(tables, next, each)?);
+                next += each;
+                light.resize(part.len(), 0.0);
+                light.iter_mut().zip(&part).for_each(|(sum, part)| *sum += part / self.singles.len() as f64);
+            }
+            apart.push(light);
+            together.push(scattered(&run(&self.mean, next, walks)?));
+            next += walks;
+        }
+        distance_of(&apart, &together)
+    }
+}

@@ -1,0 +1,247 @@
+//! One way to model a cloth.
+
+use crate::cloth::Cloth;
+use crate::distribution::{cells_of_edge, thinnest_radius, usual_edge};
+use crate::error::Result;
+use crate::goniometer::Goniometer;
+use crate::scene::{Direct, Medium, Model, Packing, Placement, Scene, Structure, Tracking};
+use crate::walk::{Purpose, draw};
+use std::fmt::Write;
+
+/// What cells of a cloth of yarns are cut from.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    cloth: Option<Cloth>,
+}
+
+impl Extent {
+    /// Lay out the cloth of a scene; a sheet has no extent.
+    ///
+    /// # Errors
+    /// Those of [`Cloth::new`].
+    pub fn of(scene: &Scene) -> Result<Extent> {
+        let cloth = match &scene.structure {
+            Structure::Sheet(_) => None,
+            Structure::Weave(_) | Structure::Knit(_) => Some(Cloth::new(scene)?),
+        };
+        Ok(Extent { cloth })
+    }
+
+    /// Edge of a cell in radii of the thinnest fiber where nothing is said of cells; none of a sheet.
+    pub fn usual_edge(&self) -> Option<f64> {
+        self.cloth.as_ref().map(|cloth| usual_edge(cloth) / thinnest_radius(cloth))
+    }
+
+    /// Cells along x, y and z of an edge in radii of the thinnest fiber; none of a sheet.
+    pub fn cells(&self, edge: f64) -> Option<[u32; 3]> {
+        self.cloth.as_ref().map(|cloth| cells_of_edge(cloth, edge * thinnest_radius(cloth)))
+    }
+}
+
+/// One way to model a cloth: all settings of the model, with cells by their edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// The settings; cells only where they are given as numbers.
+    pub model: Model,
+    /// Edge of a cell in radii of the thinnest fiber; none of a sheet, of the fibers themselves, and where cells are given.
+    pub edge: Option<f64>,
+    /// Walks of each start through one realization; of the fibers themselves only.
+    pub each: Option<u64>,
+}
+
+impl Configuration {
+    /// The medium that the settings of a scene are for, with the cells that it gets.
+    pub fn of(scene: &Scene, extent: &Extent) -> Configuration {
+        let model = Model { medium: Medium::Implicit, ..scene.model };
+        let edge = if model.cells.is_none() { extent.usual_edge() } else { None };
+        Configuration { model, edge, each: None }
+    }
+
+    /// The fibers themselves, with as many walks of each start through one realization as make 4096 in all, at most 256.
+    pub fn usual_fibers(scene: &Scene) -> Configuration {
+        let most = (4096 / Goniometer::new(&scene.measure).starts()).clamp(1, 256);
+        Configuration::fibers(scene, 1 << most.ilog2())
+    }
+
+    /// The fibers themselves, laid as the scene says, with so many walks of each start through one realization.
+    pub fn fibers(scene: &Scene, each: u64) -> Configuration {
+        let model = Model { medium: Medium::Explicit, cells: None, ..scene.model };
+        Configuration { model, edge: None, each: Some(each.max(1)) }
+    }
+
+    /// With another placement.
+    pub fn placed(mut self, placement: Placement) -> Configuration {
+        (self.model.placement, self.model.placement_chosen) = (placement, true);
+        self
+    }
+
+    /// With another tracking.
+    pub fn tracked(mut self, tracking: Tracking) -> Configuration {
+        self.model.tracking = tracking;
+        self
+    }
+
+    /// With cells of another edge in radii of the thinnest fiber.
+    pub fn edged(mut self, edge: f64) -> Configuration {
+        (self.edge, self.model.cells) = (Some(edge), None);
+        self
+    }
+
+    /// With another number of directions.
+    pub fn directed(mut self, directions: u32) -> Configuration {
+        self.model.directions = directions;
+        self
+    }
+
+    /// With another cone, its half angle in degrees; a sheet has none.
+    pub fn coned(mut self, degrees: f64) -> Configuration {
+        self.model.cone = self.model.cone.map(|_| degrees.to_radians());
+        self
+    }
+
+    /// With direct light from elsewhere.
+    pub fn lit(mut self, direct: Direct) -> Configuration {
+        self.model.direct = direct;
+        self
+    }
+
+    /// With half the edge of the cells; none where there are no cells, or as many as there can be.
+    pub fn halved(self, extent: &Extent) -> Option<Configuration> {
+        let (cells, finer) = match (self.model.cells, self.edge) {
+            (Some(cells), _) => {
+                // Of no edge there are as many as there can be.
+                let most = extent.cells(0.0)?;
+                let finer = [0, 1, 2].map(|axis| (2 * cells[axis]).min(most[axis]));
+                (cells, Configuration { model: Model { cells: Some(finer), ..self.model }, ..self })
+            }
+            (None, Some(edge)) => (extent.cells(edge)?, self.edged(edge / 2.0)),
+            (None, None) => return None,
+        };
+        (finer.cells(extent)? != cells).then_some(finer)
+    }
+
+    /// Cells along x, y and z; none of a sheet and of the fibers themselves.
+    pub fn cells(&self, extent: &Extent) -> Option<[u32; 3]> {
+        self.model.cells.or_else(|| extent.cells(self.edge?))
+    }
+
+    /// Half angle of the cone in degrees, without the noise of the conversion.
+    pub fn cone_deg(&self) -> Option<f64> {
+        self.model.cone.map(|radians| (radians.to_degrees() * 1e9).round() / 1e9)
+    }
+
+    /// The scene, modelled this way.
+    pub fn apply(&self, scene: &Scene, extent: &Extent) -> Scene {
+        let mut scene = scene.clone();
+        scene.model = Model { cells: self.cells(extent), ..self.model };
+        scene
+    }
+
+    /// A seed of its own for its walks, so that they are independent of those of other configurations.
+    pub fn seed(&self, seed: u64) -> u64 {
+        // Fowler, Noll, Vo: FNV-1a of the name, then mixed with the seed.
+        let prime = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        let hash = self.name().bytes().fold(0xcbf2_9ce4_8422_2325, prime);
+        let [low, high, ..] = draw(seed, hash, 0, Purpose::Start);
+        u64::from(low) | u64::from(high) << 32
+    }
+
+    /// A short name that no other way to model the same cloth has, such as `carried 4R 1024d`: placement, edge of cells and number of
+    /// directions, and every setting that is not the usual one. The fibers themselves are `fibers 256w`, with the walks of each
+    /// start through one realization.
+    pub fn name(&self) -> String {
+        let Model { medium, tracking, placement, direct, packing, directions, length_over_radius, .. } = self.model;
+        let mut name = String::new();
+        if packing == Packing::Separate {
+            name += "separate ";
+        }
+        if let (Medium::Explicit, Some(each)) = (medium, self.each) {
+            return name + &format!("fibers {each}w");
+        }
+        if tracking == Tracking::Tabulated {
+            name += "tabulated ";
+        }
+        name += placement.name();
+        match (self.model.cells, self.edge) {
+            (Some([x, y, z]), _) => name += &format!(" {x}x{y}x{z}"),
+            (None, Some(edge)) => name += &format!(" {}R", short(edge)),
+            (None, None) => {}
+        }
+        let _ = write!(name, " {directions}d");
+        let usual = Model::of(self.model.cone.is_some());
+        if let (Some(cone), true) = (self.cone_deg(), self.model.cone != usual.cone) {
+            let _ = write!(name, " cone {}", short(cone));
+        }
+        if direct != usual.direct {
+            name += if direct == Direct::Walks { " direct by walks" } else { " direct by rays" };
+        }
+        if length_over_radius.is_finite() {
+            let _ = write!(name, " length {}", short(length_over_radius));
+        }
+        name
+    }
+}
+
+/// A number to three digits, without zeros behind.
+fn short(number: f64) -> String {
+    let text = format!("{number:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Source;
+
+    fn scene(name: &str) -> Scene {
+        Scene::parse(&Source::find(name).expect("a preset")).expect("it is fine")
+    }
+
+    #[test]
+    fn every_setting_is_in_the_name_or_the_usual_one() {
+        let voile = scene("voile");
+        let extent = Extent::of(&voile).expect("it can be laid out");
+        let usual = Configuration::of(&voile, &extent);
+        assert_eq!(usual.name(), "carried 2R 1024d");
+        let names = [
+            usual.edged(4.0).name(),
+            usual.coned(0.0).name(),
+            usual.placed(Placement::AtHit).tracked(Tracking::Tabulated).name(),
+            usual.lit(Direct::Walks).directed(64).name(),
+            Configuration::fibers(&voile, 256).name(),
+        ];
+        let expected = [
+            "carried 4R 1024d",
+            "carried 2R 1024d cone 0",
+            "tabulated at-hit 2R 1024d",
+            "carried 2R 64d direct by walks",
+            "fibers 256w",
+        ];
+        assert_eq!(names, expected);
+        let felt = scene("felt");
+        let extent = Extent::of(&felt).expect("a sheet has nothing to lay out");
+        let sheet = Configuration::of(&felt, &extent);
+        assert_eq!(sheet.name(), "at-hit 1024d");
+        assert_eq!((sheet.halved(&extent), sheet.coned(5.0)), (None, sheet));
+    }
+
+    #[test]
+    fn a_scene_gets_the_cells_of_the_edge() {
+        let voile = scene("voile");
+        let extent = Extent::of(&voile).expect("it can be laid out");
+        let usual = Configuration::of(&voile, &extent);
+        let made = usual.apply(&voile, &extent);
+        let cells = made.model.cells.expect("a weave has cells");
+        let halved = usual.halved(&extent).expect("there is room").cells(&extent).expect("a weave has cells");
+        for (fine, coarse) in halved.into_iter().zip(cells) {
+            // Twice as many, or one fewer where the last cell was not full.
+            assert!(fine == 2 * coarse || fine == 2 * coarse - 1, "{halved:?} of {cells:?}");
+        }
+        // Numbers of cells in the file stay as they are, and are doubled.
+        let mut given = voile.clone();
+        given.model.cells = Some([32, 200, 8]);
+        let given = Configuration::of(&given, &extent);
+        assert_eq!(given.name(), "carried 32x200x8 1024d");
+        assert_eq!(given.halved(&extent).and_then(|finer| finer.cells(&extent)), Some([64, 256, 16]));
+    }
+}

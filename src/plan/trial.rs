@@ -1,0 +1,156 @@
+//! A configuration, ready to be walked through.
+
+use super::configuration::{Configuration, Extent};
+use crate::cloth::Realizer;
+use crate::error::Result;
+use crate::explicit::Explicit;
+use crate::goniometer::{Goniometer, Tally};
+use crate::measure::{Prepared, prepare};
+use crate::scene::{Medium, Scene};
+use crate::walk::{Engine, WalkPlan, Walker};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Blocks of walks that a trial is judged by.
+pub const BLOCKS: u64 = 8;
+/// Numbers of walks, of each start, that a block has for its own.
+const OF_BLOCK: u64 = 1 << 32;
+/// Realizations that the fibers themselves never see, since media are counted from them.
+const OF_MEDIA: u64 = 1 << 40;
+
+/// Walks of one block.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Their counts, whose account has been checked. Of a medium, `counts.tentative_events` are tentative events, of the
+    /// fibers themselves the pieces that rays were tested against.
+    pub tally: Tally,
+    /// How long they took; of blocks that were walked side by side, an equal share.
+    pub seconds: f64,
+}
+
+/// What light goes through.
+enum Body {
+    Medium(Box<Prepared>),
+    Fibers(Box<Explicit>),
+}
+
+/// A configuration, ready to be walked through.
+pub struct Trial {
+    configuration: Configuration,
+    goniometer: Goniometer,
+    body: Body,
+    seconds: f64,
+    drawing: f64,
+}
+
+impl Trial {
+    /// Make the tables of a medium, or draw a first realization of the fibers.
+    ///
+    /// Realizations of the fibers themselves are others than those that media are counted from, so that both are independent.
+    ///
+    /// # Errors
+    /// Those of [`prepare`] and [`Explicit::drawn`]; among them that a configuration is refused for this cloth.
+    pub fn prepare(scene: &Scene, extent: &Extent, configuration: Configuration) -> Result<Trial> {
+        let scene = configuration.apply(scene, extent);
+        let goniometer = Goniometer::new(&scene.measure);
+        let started = Instant::now();
+        let mut drawing = 0.0;
+        let body = match configuration.model.medium {
+            Medium::Implicit => Body::Medium(Box::new(prepare(&scene)?)),
+            Medium::Explicit => {
+                let realizer = Realizer::new(&scene, scene.model.packing)?;
+                let through = configuration.each.map(|each| each as usize * goniometer.starts());
+                let laid_out = started.elapsed().as_secs_f64();
+                let explicit = Explicit::drawn(&scene, through, move |number| realizer.draw(OF_MEDIA + number))?;
+                drawing = started.elapsed().as_secs_f64() - laid_out;
+                Body::Fibers(Box::new(explicit))
+            }
+        };
+        Ok(Trial { configuration, goniometer, body, seconds: started.elapsed().as_secs_f64(), drawing })
+    }
+
+    /// What is tried.
+    pub fn configuration(&self) -> &Configuration {
+        &self.configuration
+    }
+
+    /// The instrument.
+    pub fn goniometer(&self) -> &Goniometer {
+        &self.goniometer
+    }
+
+    /// The medium; none where light goes through the fibers themselves.
+    pub fn medium(&self) -> Option<&Prepared> {
+        match &self.body {
+            Body::Medium(prepared) => Some(prepared),
+            Body::Fibers(_) => None,
+        }
+    }
+
+    /// Seconds that it took to prepare; of the fibers themselves they are those of one realization.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Seconds that a realization of the fibers takes one thread to draw; none of a medium.
+    pub fn drawing(&self) -> f64 {
+        self.drawing
+    }
+
+    /// Memory in bytes of what light goes through: the tables of a medium, or one realization of the fibers, of which each
+    /// thread has one.
+    pub fn bytes(&self) -> usize {
+        match &self.body {
+            Body::Medium(prepared) => prepared.tables.bytes(),
+            Body::Fibers(explicit) => explicit.bytes().iter().sum(),
+        }
+    }
+
+    /// Walks of each start through one realization; 1 of a medium, where every number of walks is as good.
+    pub fn step(&self) -> u64 {
+        match &self.body {
+            Body::Medium(_) => 1,
+            Body::Fibers(explicit) => explicit.walks_of_start(self.goniometer.starts()),
+        }
+    }
+
+    /// Make `walks` walks of each start in block `number`, after the `made` that it has; of a medium on `engine`, of the fibers
+    /// themselves on the processor. Blocks have walks and realizations of their own, so they are independent, and what they
+    /// count is a function of the arguments.
+    ///
+    /// # Errors
+    /// Those of [`Walker::run`].
+    pub fn block(&self, engine: &dyn Engine, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
+        // Realizations begin where blocks do.
+        let step = self.step();
+        let first = number * (OF_BLOCK / step * step) + made;
+        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+        let started = Instant::now();
+        let tally = match &self.body {
+            Body::Medium(prepared) => prepared.with(engine).run(&self.goniometer, &plan, &mut |_| {})?,
+            Body::Fibers(explicit) => explicit.run(&self.goniometer, &plan, &mut |_| {})?,
+        };
+        let seconds = started.elapsed().as_secs_f64();
+        tally.check(walks)?;
+        Ok(Block { tally, seconds })
+    }
+
+    /// Make `walks` walks of each start in each of the [`BLOCKS`] blocks, after the `made` that they have.
+    ///
+    /// # Errors
+    /// Those of [`Trial::block`].
+    pub fn blocks(&self, engine: &(dyn Engine + Sync), seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
+        match &self.body {
+            Body::Medium(_) => (0..BLOCKS).map(|number| self.block(engine, seed, number, made, walks)).collect(),
+            // A block may have a single realization, which keeps one thread busy.
+            Body::Fibers(_) => {
+                let started = Instant::now();
+                let one = |number| self.block(engine, seed, number, made, walks);
+                let mut blocks: Vec<Block> = (0..BLOCKS).into_par_iter().map(one).collect::<Result<_>>()?;
+                let share = started.elapsed().as_secs_f64() / BLOCKS as f64;
+                blocks.iter_mut().for_each(|block| block.seconds = share);
+                Ok(blocks)
+            }
+        }
+    }
+}

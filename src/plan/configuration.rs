@@ -182,8 +182,8 @@ impl Configuration {
     }
 }
 
-/// A number to three digits, without zeros behind.
-fn short(number: f64) -> String {
+/// A number to two decimals, without zeros behind.
+pub fn short(number: f64) -> String {
     let text = format!("{number:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

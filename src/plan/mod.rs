@@ -9,10 +9,11 @@
 
 mod averaging;
 mod budget;
+pub mod chart;
 mod configuration;
 mod trial;
 
-pub use averaging::Averaging;
+pub use averaging::{Averaged, Averaging};
 pub use budget::{AVERAGED, Blocks, Budget, BudgetPart, Deviation, Evidence, Part, refinements};
-pub use configuration::{Configuration, Extent};
+pub use configuration::{Configuration, Extent, short};
 pub use trial::{BLOCKS, Block, Trial};

@@ -121,36 +121,40 @@ impl Trial {
     /// # Errors
     /// Those of [`Walker::run`].
     pub fn block(&self, engine: &dyn Engine, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
-        // Realizations begin where blocks do.
-        let step = self.step();
-        let first = number * (OF_BLOCK / step * step) + made;
-        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-        let started = Instant::now();
-        let tally = match &self.body {
-            Body::Medium(prepared) => prepared.with(engine).run(&self.goniometer, &plan, &mut |_| {})?,
-            Body::Fibers(explicit) => explicit.run(&self.goniometer, &plan, &mut |_| {})?,
-        };
-        let seconds = started.elapsed().as_secs_f64();
-        tally.check(walks)?;
-        Ok(Block { tally, seconds })
+        match &self.body {
+            Body::Medium(prepared) => self.through(&prepared.with(engine), seed, number, made, walks),
+            Body::Fibers(explicit) => self.through(&**explicit, seed, number, made, walks),
+        }
     }
 
     /// Make `walks` walks of each start in each of the [`BLOCKS`] blocks, after the `made` that they have.
     ///
     /// # Errors
     /// Those of [`Trial::block`].
-    pub fn blocks(&self, engine: &(dyn Engine + Sync), seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
+    pub fn blocks(&self, engine: &dyn Engine, seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
         match &self.body {
             Body::Medium(_) => (0..BLOCKS).map(|number| self.block(engine, seed, number, made, walks)).collect(),
             // A block may have a single realization, which keeps one thread busy.
-            Body::Fibers(_) => {
+            Body::Fibers(explicit) => {
                 let started = Instant::now();
-                let one = |number| self.block(engine, seed, number, made, walks);
+                let one = |number| self.through(&**explicit, seed, number, made, walks);
                 let mut blocks: Vec<Block> = (0..BLOCKS).into_par_iter().map(one).collect::<Result<_>>()?;
                 let share = started.elapsed().as_secs_f64() / BLOCKS as f64;
                 blocks.iter_mut().for_each(|block| block.seconds = share);
                 Ok(blocks)
             }
         }
+    }
+
+    fn through(&self, walker: &dyn Walker, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
+        // Realizations begin where blocks do.
+        let step = self.step();
+        let first = number * (OF_BLOCK / step * step) + made;
+        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+        let started = Instant::now();
+        let tally = walker.run(&self.goniometer, &plan, &mut |_| {})?;
+        let seconds = started.elapsed().as_secs_f64();
+        tally.check(walks)?;
+        Ok(Block { tally, seconds })
     }
 }

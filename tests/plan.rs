@@ -7,7 +7,7 @@ use common::woven::{Woven, Yarn};
 use common::{Cloth, ISOTROPIC};
 use fiberwalk::bsdf::{block_noise, distance};
 use fiberwalk::goniometer::Tally;
-use fiberwalk::plan::{BLOCKS, Budget, Configuration, Extent, Part, Trial};
+use fiberwalk::plan::{BLOCKS, Budget, Configuration, Deviation, Extent, Part, Trial};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::{Placement, Scene, Source};
 use std::collections::HashSet;
@@ -83,39 +83,49 @@ fn walks_through_the_fibers_and_through_the_medium_are_two_cloths_only_where_the
     assert!(paper.square > GATE * paper.square_error && (0.1..0.25).contains(&paper.error()), "{paper:?}");
 }
 
-#[test]
-fn a_budget_names_the_part_that_is_wrong() {
-    let scene = woven();
-    let extent = Extent::of(&scene).expect("it can be laid out");
-    let budget =
-        |configuration| Budget::measure(&scene, &extent, configuration, &Reference, 3, 1024).expect("a budget");
-    let size = |budget: &Budget, part: Part| {
-        let found = budget.parts.iter().find(|found| found.part == part).expect("all parts are there");
-        found.size.unwrap_or_else(|| panic!("{part:?}: {:?}", found.missing))
-    };
-    let fine = Configuration::of(&scene, &extent);
-    // Sixteen directions blur everything; cells of 16 radii close the gaps.
-    let [fine, blurred, coarse] = [fine, fine.directed(16), fine.edged(16.0)].map(budget);
-    for budget in [&fine, &blurred, &coarse] {
-        println!("{}", budget.configuration);
-        for part in &budget.parts {
-            println!("  {:?}: {:?} {:?}", part.part, part.size.map(|size| [size.value, size.stderr]), part.change);
-        }
-        assert_eq!(budget.parts.iter().map(|part| part.part).collect::<Vec<_>>(), Part::ALL);
+fn budget(scene: &Scene, configuration: impl Fn(Configuration) -> Configuration, walks: u64) -> Budget {
+    let extent = Extent::of(scene).expect("it can be laid out");
+    let configuration = configuration(Configuration::of(scene, &extent));
+    let budget = Budget::measure(scene, &extent, configuration, &Reference, 3, walks).expect("a budget");
+    println!("{}", budget.configuration);
+    for part in &budget.parts {
+        println!("  {:?}: {:?} {}", part.part, part.size.map(|size| [size.value, size.stderr]), part.change);
     }
-    let larger = |a: &Budget, part: Part, b: &Budget| {
-        let [a, b] = [a, b].map(|budget| size(budget, part));
-        assert!(a.bounds[0] > b.bounds[1], "{part:?}: {a:?} and {b:?}");
-    };
-    larger(&blurred, Part::Directions, &fine);
-    larger(&blurred, Part::Directions, &coarse);
-    larger(&coarse, Part::Cells, &fine);
-    larger(&coarse, Part::Total, &fine);
+    assert_eq!(budget.parts.iter().map(|part| part.part).collect::<Vec<_>>(), Part::ALL);
+    budget
+}
+
+fn size(budget: &Budget, part: Part) -> Deviation {
+    let found = budget.parts.iter().find(|found| found.part == part).expect("all parts are there");
+    found.size.unwrap_or_else(|| panic!("{part:?}: {:?}", found.missing))
+}
+
+#[test]
+fn a_budget_finds_cells_that_are_too_large() {
+    let scene = woven();
+    let [fine, coarse] = [2.0, 16.0].map(|edge| budget(&scene, |own| own.edged(edge), 2048));
+    for part in [Part::Cells, Part::Total] {
+        let [fine, coarse] = [&fine, &coarse].map(|budget| size(budget, part));
+        // The sum of both standard errors lies between them.
+        assert!(coarse.bounds[0] > fine.bounds[1], "{part:?}: {coarse:?} and {fine:?}");
+    }
     // The noise is that of all walks of the configuration.
-    let trial = Trial::prepare(&scene, &extent, Configuration::of(&scene, &extent)).expect("the medium");
-    let blocks = tallies(&trial, trial.configuration().seed(3), 0, 1024);
+    let extent = Extent::of(&scene).expect("it can be laid out");
+    let own = Configuration::of(&scene, &extent).edged(2.0);
+    let trial = Trial::prepare(&scene, &extent, own).expect("the medium");
+    let blocks = tallies(&trial, own.seed(3), 0, 2048);
     assert_eq!(size(&fine, Part::Noise).value, block_noise(&blocks).expect("alike").value);
-    assert_eq!(fine.walks, BLOCKS * 1024);
+    assert_eq!(fine.walks, BLOCKS * 2048);
+}
+
+#[test]
+fn a_budget_finds_directions_that_are_too_few() {
+    // Fibers within 5° of x: sixteen directions smear them over patches of some 30°.
+    let along = "orientation = \"aligned\"\naxis = [1, 0, 0]\nspread_deg = 5".to_owned();
+    let scene = lit(Cloth { fibers: vec![(100.0, along)], ..Cloth::isotropic(1.0) }.scene());
+    let [few, many] =
+        [16, 4096].map(|directions| size(&budget(&scene, |own| own.directed(directions), 512), Part::Directions));
+    assert!(few.bounds[0] > GATE * many.bounds[1], "{few:?} and {many:?}");
 }
 
 #[test]

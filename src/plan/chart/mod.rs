@@ -10,6 +10,7 @@
 
 mod cheapest;
 mod engines;
+mod judged;
 mod points;
 mod run;
 mod series;

@@ -8,7 +8,7 @@ use super::series::Series;
 use super::state::Store;
 use super::sweep::sweep;
 use crate::error::Result;
-use crate::scene::Scene;
+use crate::scene::{Direct, Scene};
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
@@ -31,6 +31,8 @@ const TIMED: f64 = 0.3;
 const NEW: f64 = 0.25;
 /// Share of the time that the averaging part of the error budget may take to walk.
 const AVERAGING: f64 = 1.0 / 20.0;
+/// Realizations that straight rays go through, drawn on all threads; the rays take about as long again.
+const REALIZATIONS_OF_RAYS: f64 = 32.0;
 /// Memory in bytes of the media that are kept from one round to the next. Beside its tables a medium holds the densities that
 /// they are made of: some times as much.
 const KEPT: usize = 1 << 30;
@@ -167,21 +169,28 @@ impl Work<'_> {
         preparing + walking
     }
 
-    /// Seconds that a preparation is expected to take: as the last one, or by the cells of one that is known.
+    /// Seconds that a preparation is expected to take: as the last one, or by the cells of one that is known and has its direct
+    /// light from the same source; if none has, and it is straight rays, their realizations are still to be drawn.
     fn expected_preparing(&self, index: usize) -> f64 {
         let series = &self.series[index];
+        if let Some(seconds) = series.prepare_seconds() {
+            return seconds;
+        }
         let cells = |series: &Series| {
             let cells = series.configuration.cells(self.settings.extent).unwrap_or([1; 3]);
             cells.iter().map(|count| f64::from(*count)).product::<f64>()
         };
+        let far = |other: &Series| {
+            let direct = other.configuration.model.direct != series.configuration.model.direct;
+            (direct, (cells(other) / cells(series)).ln().abs())
+        };
         let known = self.series.iter().filter(|other| other.explicit() == series.explicit());
-        let known = known.filter_map(|other| Some((cells(other), other.prepare_seconds()?)));
-        let nearest = known.min_by(|a, b| {
-            let far = |other: f64| (other / cells(series)).ln().abs();
-            far(a.0).total_cmp(&far(b.0))
-        });
-        let scaled = nearest.map_or(0.0, |(other, seconds)| seconds * (cells(series) / other).max(1.0).sqrt());
-        series.prepare_seconds().unwrap_or(scaled)
+        let known = known.filter_map(|other| Some((far(other), cells(other), other.prepare_seconds()?)));
+        let nearest = known.min_by(|(a, ..), (b, ..)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let Some(((other_direct, _), other, seconds)) = nearest else { return 0.0 };
+        let rays = other_direct && series.configuration.model.direct == Direct::Straight;
+        let drawing = if rays { REALIZATIONS_OF_RAYS * self.series[0].drawing } else { 0.0 };
+        drawing + seconds * (cells(series) / other).max(1.0).sqrt()
     }
 
     /// Walk through a configuration on all of its engines and keep what was found; whether anything was done.

@@ -118,7 +118,7 @@ impl Chart {
     /// From all that has been measured; none before the fibers and the scene's own medium have.
     ///
     /// # Errors
-    /// Those of [`distance`].
+    /// Those of [`distance`](crate::bsdf::distance).
     pub fn new(scene: &Scene, extent: &Extent, series: &[Series], head: &Head) -> Result<Option<Chart>> {
         let Some((fibers, own)) = roles(series).filter(|(a, b)| a.made > 0 && b.made > 0) else { return Ok(None) };
         let starts = fibers.blocks.first().map_or(0, |block| block.starts());

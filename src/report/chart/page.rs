@@ -116,8 +116,7 @@ fn contest_tables(chart: &Chart) -> String {
         let head = if gpu { "<th colspan=\"2\">medium, gpu" } else { "" };
         let _ = writeln!(
             html,
-            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table><thead><tr><th>{caption} to an error of\
-             <th colspan=\"2\">the fibers, cpu<th colspan=\"2\">medium, cpu{head}</tr></thead><tbody>{}</tbody></table></div>",
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table><caption>{caption}</caption><thead><tr><th>error<th colspan=\"2\">the fibers, cpu<th colspan=\"2\">medium, cpu{head}</tr></thead><tbody>{}</tbody></table></div>",
             all.iter().map(row).collect::<String>()
         );
     }

@@ -19,7 +19,8 @@ pub fn text(words: &str) -> String {
         c if c.is_control() && c != '\n' => " ".into(),
         c => c.to_string(),
     };
-    words.chars().map(escape).collect()
+    // A percent sign stays with its number.
+    words.replace(" %", "\u{a0}%").chars().map(escape).collect()
 }
 
 /// A time with two or three digits and its unit.

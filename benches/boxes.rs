@@ -1,8 +1,9 @@
 //! The implicit medium in a homogeneous box, where its cells and directions are exact: what is left is the medium itself.
-//! `cargo bench --bench boxes`; words leave out rows of packings that are not named (`random`, `separate`).
+//! `cargo bench --bench boxes`; words leave out tables that are not named (`random`, `separate`, `parallel`).
 //!
 //! Fibers along x, y and z in equal lengths, radius 10 µm, index 1.55, in a sheet of true optical depth 2 for light along an
-//! axis between them; the volume fraction v sets how thick it is. Light from three directions, pooled. Each row has the
+//! axis between them; the volume fraction v sets how thick it is. In the table `parallel` all lie along x, at random, in a sheet
+//! of depth 2 along its normal. Light from three directions, pooled. Each row has the
 //! explicit model and the deviations of the medium from it with their standard errors (of light: in percent of the
 //! incident light; of hits: relative). The output is Markdown.
 //!
@@ -27,6 +28,8 @@ const RADIUS: f64 = 0.01;
 const DEPTH: f64 = 2.0;
 /// Walks of each direction through fibers, and through the medium.
 const WALKS: [u64; 2] = [1 << 19, 1 << 21];
+/// Axes of the fibers.
+const AXES: [&str; 3] = ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"];
 const DIRECTIONS: &str = "[[20, 30], [45, 100], [65, 50]]";
 const PLACEMENTS: [Placement; 4] =
     [Placement::AtHit, Placement::Carried, Placement::CarriedDense, Placement::CarriedVoid];
@@ -37,7 +40,12 @@ fn main() -> Result<()> {
         "Light from {DIRECTIONS}; {} walks of each direction through fibers, {} through the medium.",
         WALKS[0], WALKS[1]
     );
-    for (word, packing) in [("random", Packing::Random), ("separate", Packing::Separate)] {
+    let tables = [
+        ("random", Packing::Random, &AXES[..]),
+        ("separate", Packing::Separate, &AXES[..]),
+        ("parallel", Packing::Random, &AXES[..1]),
+    ];
+    for (word, packing, axes) in tables {
         if !words.is_empty() && !words.iter().any(|known| known == word) {
             continue;
         }
@@ -45,7 +53,7 @@ fn main() -> Result<()> {
         println!("| v | placement | R | T | direct | E % (resolution) | hits of the fibers | hits % | hits %/v |");
         println!("|---|---|---|---|---|---|---|---|---|");
         for v in FRACTIONS {
-            if let Err(error) = rows(v, packing) {
+            if let Err(error) = rows(v, packing, axes) {
                 println!("| {v} | {error} ||||||||");
             }
         }
@@ -53,21 +61,22 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// A sheet of three sets of parallel fibers.
-fn scene(v: f64, packing: Packing) -> Result<Scene> {
-    // Σ π R² L = v, and the rate of light between the axes is about 2 R L √(2/3).
+/// A sheet of sets of parallel fibers.
+fn scene(v: f64, packing: Packing, axes: &[&str]) -> Result<Scene> {
+    // Σ π R² L = v, and the rate of light between the axes is about 2 R L √(2/3), that across parallel ones 2 R L.
     let length = v / (std::f64::consts::PI * RADIUS * RADIUS);
-    let thickness = DEPTH / (2.0 * RADIUS * length * (2.0f64 / 3.0).sqrt());
+    let across = if axes.len() > 1 { (2.0f64 / 3.0).sqrt() } else { 1.0 };
+    let thickness = DEPTH / (2.0 * RADIUS * length * across);
     let mut text = format!(
         "[fiber.f]\nradius_um = {}\nior = 1.55\nabsorption_per_mm = 0\n[model]\nlength_over_radius = inf\n[measure]\n\
          incident = {DIRECTIONS}\nexit = 8\n[sheet]\nthickness_um = {}\n",
         1e3 * RADIUS,
         1e3 * thickness
     );
-    for axis in ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"] {
+    for axis in axes {
         text += &format!(
             "[[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = {}\norientation = \"aligned\"\naxis = {axis}\n",
-            length / 3.0
+            length / axes.len() as f64
         );
     }
     let source = Source { file: "box".into(), stem: "box".into(), text, folder: None };
@@ -77,8 +86,8 @@ fn scene(v: f64, packing: Packing) -> Result<Scene> {
 }
 
 /// The rows of one volume fraction.
-fn rows(v: f64, packing: Packing) -> Result<()> {
-    let mut scene = scene(v, packing)?;
+fn rows(v: f64, packing: Packing, axes: &[&str]) -> Result<()> {
+    let mut scene = scene(v, packing, axes)?;
     let goniometer = Goniometer::new(&scene.measure);
     let explicit = Explicit::new(&scene)?;
     let reference = explicit.run(&goniometer, &WalkPlan::new(1, WALKS[0]), &mut |_| {})?;

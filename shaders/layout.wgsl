@@ -46,6 +46,8 @@ struct Params {
     per_edge: vec4f,
     /// Largest radius of a fiber: in edges of a cell along x, y and z, or in mm without cells; then in mm.
     carry: vec4f,
+    /// Rays of a start on which walks first meet fibers, and the one of the first walk of this segment; two spare words.
+    first_hits: vec4u,
 }
 
 /// A lane: one walk under way, one that waits to be counted, one that waits to start.
@@ -78,6 +80,7 @@ struct Lane {
     /// Path length inside each kind of fiber, in mm.
     lengths: vec4f,
     pending_lengths: vec4f,
+    next_lengths: vec4f,
     /// Logarithm of the factor by which roulette has raised the weight.
     log_gain: f32,
     pending_log_gain: f32,
@@ -96,7 +99,9 @@ struct Lane {
     depth_left: f32,
     /// Fibers refused at the collision so far; none on the way to it.
     refused: u32,
-    spare: vec2u,
+    /// Fibers that the next walk has hit, and bases that it has left through.
+    next_hits: u32,
+    next_base_exits: u32,
 }
 
 /// Sums over all lanes; pairs are low and high words.
@@ -122,6 +127,16 @@ struct Trace {
     counted: u32,
 }
 
+/// A straight ray, and the fiber that it meets first.
+struct FirstHit {
+    /// m, and the offset α from the fiber's axis in radii.
+    ray: vec4f,
+    /// Where, as places of a lane are; one spare word.
+    place: vec4f,
+    /// p, and the kind of fiber; negative for none.
+    fiber: vec4f,
+}
+
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<uniform> table_uniform: array<vec4u, UNIFORM_ENTRIES>;
 @group(0) @binding(2) var table_texture: texture_2d<u32>;
@@ -135,6 +150,8 @@ struct Trace {
 /// Cells of the cloth, as `cell_entry` says.
 @group(0) @binding(9) var<uniform> cells_uniform: array<vec4u, UNIFORM_ENTRIES>;
 @group(0) @binding(10) var cells_texture: texture_2d<u32>;
+/// Rays of all starts of this batch.
+@group(0) @binding(11) var<storage, read> first_hits: array<FirstHit>;
 
 /// Kinds of fiber.
 override KINDS: u32 = 1;

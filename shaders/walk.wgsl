@@ -1,5 +1,5 @@
 // The kernel: one flat loop, one tentative event of one walk per lane and pass.
-// uses: layout, rng, cells, medium, march, carried, cylinder, goniometer, score
+// uses: layout, rng, cells, medium, march, carried, cylinder, goniometer, score, first_hit
 
 override WORKGROUP: u32 = 64;
 /// Passes of a dispatch.
@@ -170,6 +170,12 @@ fn change_walk(lane: ptr<function, Lane>) {
     (*lane).event = select((*lane).event, 0u, starting);
     (*lane).hits = select((*lane).hits, 0u, starting);
     (*lane).next_ready = select((*lane).next_ready, 0u, starting);
+    if FIRST_HITS {
+        // Event 0 is behind it.
+        (*lane).event = select((*lane).event, 1u, starting);
+        (*lane).hits = select((*lane).hits, (*lane).next_hits, starting);
+        (*lane).state = select((*lane).state, LEFT, starting && (*lane).next_hits == 0u);
+    }
     if CELLS {
         (*lane).place = select((*lane).place, (*lane).next_place, starting);
         (*lane).reach = select((*lane).reach, (*lane).next_reach, starting);
@@ -179,12 +185,13 @@ fn change_walk(lane: ptr<function, Lane>) {
         (*lane).depth_left = select((*lane).depth_left, -1.0, starting);
     }
     if ABSORBING {
-        (*lane).lengths = select((*lane).lengths, vec4f(0.0), starting);
+        let begun = select(vec4f(0.0), (*lane).next_lengths, FIRST_HITS);
+        (*lane).lengths = select((*lane).lengths, begun, starting);
         (*lane).log_gain = select((*lane).log_gain, 0.0, starting);
         (*lane).roulette_ready = select((*lane).roulette_ready, 0u, starting);
     }
     if BASES {
-        (*lane).base_exits = select((*lane).base_exits, 0u, starting);
+        (*lane).base_exits = select((*lane).base_exits, select(0u, (*lane).next_base_exits, FIRST_HITS), starting);
     }
 }
 
@@ -244,7 +251,28 @@ fn ready_next(lane: ptr<function, Lane>) {
     let start = (*lane).block_start;
     let low = P.base.x + (*lane).block_walk * P.id_stride + start;
     let id = vec2u(low, P.base.y + select(0u, 1u, low < P.base.x));
-    let words = threefry(P.seed, vec4u(id, 0u, PURPOSE_START));
+    if FIRST_HITS {
+        let begun = first_hit(start, (*lane).block_walk, id);
+        (*lane).next = begun.ray;
+        (*lane).next_place = begun.place;
+        (*lane).next_reach = 0u;
+        if CELLS && PLACEMENT == 0u {
+            (*lane).next_reach = cell_entry(cell_of(vec3f(begun.place, begun.ray.w))).w;
+        }
+        (*lane).next_hits = begun.hits;
+        (*lane).next_base_exits = begun.base_exits;
+        (*lane).next_lengths = begun.lengths;
+    } else {
+        set_out(lane, start, threefry(P.seed, vec4u(id, 0u, PURPOSE_START)));
+    }
+    (*lane).next_id = id;
+    (*lane).next_start = start;
+    (*lane).next_ready = 1u;
+    (*lane).block_walk += 1u;
+}
+
+/// Let the next walk set out from the lit face.
+fn set_out(lane: ptr<function, Lane>, start: u32, words: vec4u) {
     (*lane).next = vec4f(start_direction(start, words), start_depth(start));
     if CELLS {
         (*lane).next_place = start_place(words);
@@ -254,10 +282,6 @@ fn ready_next(lane: ptr<function, Lane>) {
             (*lane).next_reach = cell_entry(cell_of(vec3f((*lane).next_place, (*lane).next.w))).w;
         }
     }
-    (*lane).next_id = id;
-    (*lane).next_start = start;
-    (*lane).next_ready = 1u;
-    (*lane).block_walk += 1u;
 }
 
 fn add_sums(sums: Sums, resumed: u32) {

@@ -68,6 +68,10 @@ pub struct Arguments {
     /// straight for yarns, walks for sheets]
     #[arg(long, value_name = "DIRECT")]
     direct: Option<String>,
+    /// What walks meet first: medium, a fiber of the medium, or fibers, a fiber of a realization, by a straight ray [default:
+    /// fibers for yarns, medium for sheets]
+    #[arg(long, value_name = "FIRST")]
+    first_hit: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at
     /// most 2^18 cells]
     #[arg(long, value_name = "CELLS")]
@@ -265,6 +269,7 @@ impl Arguments {
             ("tracking", &self.tracking),
             ("placement", &self.placement),
             ("direct", &self.direct),
+            ("first-hit", &self.first_hit),
             ("cells", &self.cells),
             ("directions", &self.directions),
             ("cone", &self.cone),

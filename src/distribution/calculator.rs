@@ -23,7 +23,7 @@ const LIST_WIDTH: f64 = 1.0 / 16.0;
 const MOST_ALONG: u32 = 256;
 const MOST_CELLS: usize = 1 << 18;
 /// Most cells of the grid of lists: more take more memory than they are worth.
-const MOST_LISTS: usize = 1 << 16;
+const MOST_LISTS: usize = 1 << 18;
 /// The effort of a run.
 const USUAL: Effort = Effort::Precision(0.15);
 /// Fewest and most realizations.

@@ -19,5 +19,5 @@ mod walk;
 
 pub use clustering::Clustering;
 pub use engine::Explicit;
-pub use straight::StraightLight;
+pub use straight::{Banks, StraightRays};
 pub use walk::{Bodies, walk};

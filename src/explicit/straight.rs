@@ -1,95 +1,212 @@
-//! Light that touches no fiber, by straight rays through realizations.
+//! Straight rays through realizations: the light that touches no fiber, and where the rest first meets one.
 
-use crate::cloth::{FiberGrid, Realization, Way, Work};
+use crate::cloth::{FiberGrid, Realization, Realizer, Way, Work};
 use crate::error::Result;
 use crate::goniometer::{Goniometer, Straight};
-use crate::walk::{Purpose, draw, uniform};
-use glam::{DVec2, DVec4};
+use crate::scene::Scene;
+use crate::walk::{FirstHit, FirstHitBanks, FirstHits, MetFiber, Purpose, draw, uniform};
+use glam::{DVec2, DVec3, DVec4};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
-/// Realizations that rays go through; further ones are not looked at.
-const REALIZATIONS: u64 = 32;
+/// Realizations that rays of one bank go through.
+const REALIZATIONS: u64 = 8;
+/// Realizations that a calculator shows, of which direct light is the mean; further ones are not looked at.
+const SHOWN: u64 = 32;
 /// Rays through each, all starts together.
 const RAYS: usize = 1 << 14;
 /// Fewest rays of a start through each.
 const FEWEST: usize = 16;
+/// Walks that set out along one ray, before rays through other realizations take its place.
+const WALKS_A_RAY: u64 = 2;
 /// The rays do not depend on the seed of the walks.
 const SEED: u64 = 0;
 /// Root of x⁵ = x + 1, whose powers make the most even additive sequence in four dimensions (Roberts 2018).
 const ROOT: f64 = 1.167_303_978_261_418_7;
 
-/// Straight rays of every start through the realizations of a cloth, which come in any order.
-pub struct StraightLight<'a> {
-    goniometer: &'a Goniometer,
-    /// By realization and start, the share of rays that touch nothing.
-    shares: Mutex<BTreeMap<u64, Vec<f64>>>,
+/// What straight rays of every start find in the realizations of a cloth, which come in any order.
+#[derive(Debug)]
+pub struct StraightRays {
+    goniometer: Goniometer,
+    /// Of each kind of the scene, its place among those in use.
+    places: Vec<usize>,
+    /// By realization: its rays, start by start.
+    seen: Mutex<BTreeMap<u64, Vec<FirstHit>>>,
 }
 
-impl<'a> StraightLight<'a> {
+impl StraightRays {
     /// Before the first realization.
-    pub fn new(goniometer: &'a Goniometer) -> StraightLight<'a> {
-        StraightLight { goniometer, shares: Mutex::new(BTreeMap::new()) }
+    pub fn new(scene: &Scene, goniometer: &Goniometer) -> StraightRays {
+        let used = scene.kinds();
+        let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
+        let places = (0..scene.fibers.len()).map(place).collect();
+        StraightRays { goniometer: goniometer.clone(), places, seen: Mutex::new(BTreeMap::new()) }
     }
 
-    /// Whether a realization is one of those that rays go through.
-    fn wants(&self, number: u64) -> bool {
-        number < REALIZATIONS && !self.seen().contains_key(&number)
+    /// Numbers of the realizations that rays are to go through before the first walk.
+    pub fn wanted() -> Range<u64> {
+        0..SHOWN
     }
 
-    /// Realizations that rays go through.
-    pub fn wanted(&self) -> std::ops::Range<u64> {
-        0..REALIZATIONS
+    /// Memory in bytes of the rays of so many starts, with a bank more that is made while they last.
+    pub fn bytes(starts: usize) -> usize {
+        let realization = (RAYS / starts).max(FEWEST) * starts * size_of::<FirstHit>();
+        (SHOWN + REALIZATIONS) as usize * realization
     }
 
-    /// Send rays through a realization, if it is wanted: an even sequence of places on the lit face and directions inside the
-    /// incident cell, begun anywhere.
+    /// Send rays through a realization, if it is wanted.
     ///
     /// # Errors
     /// Those of [`FiberGrid::new`].
     pub fn add(&self, number: u64, realization: &Realization) -> Result<()> {
-        if !self.wants(number) {
+        if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
             return Ok(());
         }
-        let grid = FiberGrid::new(&realization.fibers, realization.period)?;
-        let starts = self.goniometer.starts();
-        let rays = (RAYS / starts).max(FEWEST);
-        let [low, high] = grid.span();
-        let mut work = Work::default();
-        let mut share = |start: usize| {
-            let begin = DVec4::from_array(draw(SEED, number, start as u32, Purpose::Start).map(uniform));
-            let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
-            let mut untouched = |ray: &usize| {
-                let at = (begin + step * (*ray as f64 + 1.0)).fract();
-                let m = -self.goniometer.start_direction(start, DVec2::new(at.x, at.y));
-                let place = grid.period() * DVec2::new(at.z, at.w);
-                let from = place.extend(if m.z < 0.0 { high } else { low });
-                matches!(grid.first_entry(from, m, None, &mut work), Way::Out)
-            };
-            (0..rays).filter(|ray| untouched(ray)).count() as f64 / rays as f64
-        };
-        let shares = (0..starts).map(&mut share).collect();
-        self.seen().insert(number, shares);
+        let rays = self.through(number, realization)?;
+        self.seen().insert(number, rays);
         Ok(())
     }
 
-    /// The mean over realizations and its standard error, by start; none before the second realization.
+    /// Rays of a start through one realization.
+    fn of_start(&self) -> usize {
+        (RAYS / self.goniometer.starts()).max(FEWEST)
+    }
+
+    /// The rays of all starts through a realization: of each an even sequence of places on the lit face and directions inside
+    /// the incident cell, begun anywhere.
+    fn through(&self, number: u64, realization: &Realization) -> Result<Vec<FirstHit>> {
+        let grid = FiberGrid::new(&realization.fibers, realization.period)?;
+        let [low, high] = grid.span();
+        let mut work = Work::default();
+        let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
+        let mut rays = Vec::with_capacity(self.of_start() * self.goniometer.starts());
+        for start in 0..self.goniometer.starts() {
+            let begin = DVec4::from_array(draw(SEED, number, start as u32, Purpose::Start).map(uniform));
+            for ray in 0..self.of_start() {
+                let at = (begin + step * (ray as f64 + 1.0)).fract();
+                let m = -self.goniometer.start_direction(start, DVec2::new(at.x, at.y));
+                let place = grid.period() * DVec2::new(at.z, at.w);
+                let from = place.extend(if m.z < 0.0 { high } else { low });
+                let fiber = match grid.first_entry(from, m, None, &mut work) {
+                    Way::Fiber { tube, point, meeting } => {
+                        let piece = &grid.tubes()[tube];
+                        Some(MetFiber {
+                            place: narrow(point),
+                            p: narrow(piece.direction()),
+                            offset: meeting.offset as f32,
+                            kind: self.places[piece.kind()] as u32,
+                        })
+                    }
+                    Way::Out | Way::Endless => None,
+                };
+                rays.push(FirstHit { m: narrow(m), fiber });
+            }
+        }
+        Ok(rays)
+    }
+
+    /// The mean share over realizations of the light that touches nothing, and its standard error, by
+    /// start; none before the second realization.
     pub fn light(&self) -> Option<Vec<Straight>> {
-        let seen = self.seen();
+        let (seen, each) = (self.seen(), self.of_start());
         let n = seen.len() as f64;
         (seen.len() > 1).then(|| {
             let of = |start: usize| {
-                let mean = seen.values().map(|shares| shares[start]).sum::<f64>() / n;
-                let square: f64 = seen.values().map(|shares| (shares[start] - mean).powi(2)).sum();
+                let untouched = |rays: &Vec<FirstHit>| {
+                    let own = &rays[start * each..(start + 1) * each];
+                    own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / each as f64
+                };
+                let shares: Vec<f64> = seen.values().map(untouched).collect();
+                let mean = shares.iter().sum::<f64>() / n;
+                let square: f64 = shares.iter().map(|share| (share - mean).powi(2)).sum();
                 // Where all or none of the rays were stopped, the error is that of one of them.
-                let least = 1.0 / (n * (RAYS / self.goniometer.starts()).max(FEWEST) as f64);
+                let least = 1.0 / (n * each as f64);
                 Straight { value: mean, stderr: (square / n / (n - 1.0)).sqrt().max(least) }
             };
             (0..self.goniometer.starts()).map(of).collect()
         })
     }
 
-    fn seen(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<f64>>> {
-        self.shares.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    /// Rays for the walks to set out along: of the realizations that were added, then of those that `realizer` draws.
+    /// Without a realizer the first rays serve all walks.
+    pub fn into_banks(self, realizer: Option<Realizer>) -> Banks {
+        let seen: Vec<Vec<FirstHit>> = std::mem::take(&mut *self.seen()).into_values().collect();
+        let of_bank = if realizer.is_some() { REALIZATIONS as usize } else { seen.len().max(1) };
+        let shown = seen.chunks(of_bank).map(|some| Arc::new(self.interleaved(some))).collect();
+        Banks { rays: self, realizer, shown, last: Mutex::new(None) }
     }
+
+    /// The rays of a bank start by start, those of its realizations by turns: the first few come from many of them.
+    fn interleaved(&self, realizations: &[Vec<FirstHit>]) -> FirstHits {
+        let each = self.of_start();
+        let of_start = each * realizations.len();
+        let mut rays = Vec::with_capacity(of_start * self.goniometer.starts());
+        for start in 0..self.goniometer.starts() {
+            let turns = (0..each).flat_map(|ray| realizations.iter().map(move |own| own[start * each + ray]));
+            rays.extend(turns);
+        }
+        FirstHits { of_start, rays }
+    }
+
+    fn seen(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<FirstHit>>> {
+        self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+/// Banks of rays through realizations of a cloth.
+#[derive(Debug)]
+pub struct Banks {
+    rays: StraightRays,
+    realizer: Option<Realizer>,
+    /// Rays through the realizations that a calculator showed.
+    shown: Vec<Arc<FirstHits>>,
+    /// The latest one that had to be made, and its number.
+    last: Mutex<Option<(u64, Arc<FirstHits>)>>,
+}
+
+impl Banks {
+    /// Rays of a start through all realizations that a calculator showed.
+    pub fn of_start(&self) -> usize {
+        self.shown.iter().map(|bank| bank.of_start).sum()
+    }
+
+    /// Memory of these rays in bytes.
+    pub fn bytes(&self) -> usize {
+        self.shown.iter().map(|bank| bank.bytes()).sum()
+    }
+
+    /// Walks that set out along one ray; none where there are only these rays for all walks.
+    pub fn walks_a_ray(&self) -> Option<u64> {
+        self.realizer.as_ref().map(|_| WALKS_A_RAY)
+    }
+}
+
+impl FirstHitBanks for Banks {
+    fn span(&self) -> u64 {
+        let of_start = REALIZATIONS * self.rays.of_start() as u64;
+        self.walks_a_ray().map_or(u64::MAX, |walks| walks * of_start)
+    }
+
+    fn bank(&self, number: u64) -> Result<Arc<FirstHits>> {
+        let shown = self.shown.get(usize::try_from(number).unwrap_or(usize::MAX));
+        let (None, Some(realizer)) = (shown, &self.realizer) else {
+            return Ok(shown.unwrap_or(&self.shown[0]).clone());
+        };
+        let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some((_, bank)) = last.as_ref().filter(|(known, _)| *known == number) {
+            return Ok(bank.clone());
+        }
+        let through = |realization| self.rays.through(realization, &realizer.draw(realization)?);
+        let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
+        let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
+        let bank = Arc::new(self.rays.interleaved(&drawn));
+        *last = Some((number, bank.clone()));
+        Ok(bank)
+    }
+}
+
+fn narrow(vector: DVec3) -> [f32; 3] {
+    vector.as_vec3().to_array()
 }

@@ -247,6 +247,12 @@ impl Tally {
             return Err(Error::Input("the tallies differ in the light that touches no fiber".into()));
         }
         self.coverage.join(&other.coverage)?;
+        self.add_counts(other);
+        Ok(())
+    }
+
+    /// Add what another tally of the same shape has counted, whatever walks it covers.
+    pub fn add_counts(&mut self, other: &Tally) {
         self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);
         if let (Some(weights), Some(others)) = (&mut self.weights, &other.weights) {
             for (sum, part) in weights.moments.iter_mut().zip(&others.moments) {
@@ -255,7 +261,6 @@ impl Tally {
             }
         }
         self.counts += other.counts;
-        Ok(())
     }
 
     /// Hold the counts against the plan.

@@ -1,7 +1,7 @@
 //! The buffers and textures that every kernel binds, in one group.
 
 use super::device::OpenDevice;
-use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
+use super::layout::{Counters, FirstHit, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
 use crate::error::Result;
 use crate::scene::MAX_CHANNELS;
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
@@ -12,6 +12,7 @@ pub struct Packed<'a> {
     pub cells: &'a [[u32; 4]],
     pub incident: &'a [[f32; 4]],
     pub absorption: &'a [[f32; 4]],
+    pub first_hits: &'a [FirstHit],
 }
 
 /// Which tables are textures, not uniform buffers.
@@ -55,6 +56,8 @@ impl Buffers {
         let traces = device.buffer("traces", (sizes.traces * size_of::<Trace>()) as u64, storage)?;
         let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
         let cells = device.buffer("cells_uniform", entries, uniform)?;
+        let rays = size_of_val(packed.first_hits).max(size_of::<FirstHit>()) as u64;
+        let first_hits = device.buffer("first_hits", rays, storage)?;
         let mut views = Vec::new();
         let tables = [
             ("table_texture", packed.directions, in_texture.directions, &table),
@@ -68,6 +71,7 @@ impl Buffers {
         }
         device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
         device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
+        device.queue.write_buffer(&first_hits, 0, bytemuck::cast_slice(packed.first_hits));
         let resources = [
             params.as_entire_binding(),
             table.as_entire_binding(),
@@ -80,6 +84,7 @@ impl Buffers {
             absorption.as_entire_binding(),
             cells.as_entire_binding(),
             BindingResource::TextureView(&views[1]),
+            first_hits.as_entire_binding(),
         ];
         let group = bind(device, 0, resources);
         Ok(Buffers { group, params, lanes, bins, counters, traces })

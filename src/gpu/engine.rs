@@ -3,8 +3,8 @@
 use super::adapter::{self, Kind};
 use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
-use super::layout::{BLOCK, Counters, UNIFORM_ENTRIES};
-use super::pack::{absorption_table, cell_table, direction_entries, direction_table, incident_table};
+use super::layout::{BLOCK, Counters, FirstHit, UNIFORM_ENTRIES};
+use super::pack::{absorption_table, cell_table, direction_entries, direction_table, first_hit_table, incident_table};
 use super::params::{counts, params, placement, start_words};
 use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
@@ -12,10 +12,10 @@ use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
 use crate::goniometer::{Coverage, Goniometer, Incidence, Origin, Tally};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, ROULETTE_EVERY, WalkPlan, WalkRecord};
+use crate::walk::{Engine, FirstHits, ROULETTE_EVERY, WalkPlan, WalkRecord};
 use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at the bins.
@@ -204,6 +204,7 @@ impl<'a> Run<'a> {
             cells: cells > 0,
             visible_n: tables.visible.as_ref().map_or(0, |visible| visible.n),
             placement: placement(tables),
+            first_hits: plan.first_hits.is_some(),
         };
         let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };
         let channels = tables.absorbing().then(|| tables.channels());
@@ -226,7 +227,10 @@ impl<'a> Run<'a> {
         for first in (0..incident.len()).step_by(batch) {
             let starts = first..(first + batch).min(incident.len());
             let incident = &incident[starts.clone()];
-            let packed = Packed { directions: &directions, cells: &cells, incident, absorption: &absorption };
+            let rays = |hits: &Arc<FirstHits>| first_hit_table(self.tables, self.goniometer, hits, starts.clone());
+            let first_hits = &self.plan.first_hits.as_ref().map(rays).unwrap_or_default();
+            let packed =
+                Packed { directions: &directions, cells: &cells, incident, absorption: &absorption, first_hits };
             if first == 0 {
                 self.tune(&packed)?;
             }
@@ -242,7 +246,8 @@ impl<'a> Run<'a> {
     /// Starts whose bins and directions fit the device.
     fn starts_per_batch(&self) -> usize {
         let binding = self.gpu.device.device.limits().max_storage_buffer_binding_size;
-        let fit = binding as usize / (start_words(self.tables, self.goniometer) * size_of::<u32>());
+        let rays = self.plan.first_hits.as_ref().map_or(0, |first_hits| first_hits.of_start * size_of::<FirstHit>());
+        let fit = binding as usize / rays.max(start_words(self.tables, self.goniometer) * size_of::<u32>());
         let wanted = self.settings.starts_per_batch.unwrap_or(usize::MAX);
         fit.min(UNIFORM_ENTRIES as usize).min(wanted).max(1)
     }

@@ -41,7 +41,7 @@ gpu_struct! {
         threshold_bits: u32, max_events: u32, exit_n: u32, exit_cells: u32, start_words: u32, mean_free_path: f32,
         thickness: f32, patch_unit: f32, incident_edge: f32, starts_reciprocal: f32, half_length: f32,
         kinds: [[f32; 4]; MAX_KINDS], clearest: [f32; 4], counts: [f32; 4], per_edge: [f32; 4],
-        carry: [f32; 4],
+        carry: [f32; 4], first_hits: [u32; 4],
     }
 }
 
@@ -51,10 +51,10 @@ gpu_struct! {
         ray: [f32; 4], id: [u32; 2], start: u32, event: u32, hits: u32, state: u32, drained: u32, next_ready: u32,
         next: [f32; 4], next_id: [u32; 2], next_start: u32, pending_full: u32, pending: [f32; 4],
         pending_id: [u32; 2], pending_start: u32, pending_hits: u32, pending_events: u32, block_start: u32,
-        block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], log_gain: f32,
+        block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], next_lengths: [f32; 4], log_gain: f32,
         pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
         place: [f32; 2], next_place: [f32; 2], reach: u32, next_reach: u32,
-        depth_left: f32, refused: u32, spare: [u32; 2],
+        depth_left: f32, refused: u32, next_hits: u32, next_base_exits: u32,
     }
 }
 
@@ -72,6 +72,11 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A straight ray, and the fiber that it meets first.
+    FirstHit { ray: [f32; 4], place: [f32; 4], fiber: [f32; 4] }
+}
+
+gpu_struct! {
     /// Inputs of one call of a probe.
     ProbeInput { a: [u32; 4], b: [u32; 4], c: [u32; 4] }
 }
@@ -82,6 +87,7 @@ pub const STRUCTS: &[(&str, usize, Fields)] = &[
     ("Lane", size_of::<Lane>(), Lane::FIELDS),
     ("Counters", size_of::<Counters>(), Counters::FIELDS),
     ("Trace", size_of::<Trace>(), Trace::FIELDS),
+    ("FirstHit", size_of::<FirstHit>(), FirstHit::FIELDS),
     ("ProbeInput", size_of::<ProbeInput>(), ProbeInput::FIELDS),
 ];
 
@@ -111,6 +117,7 @@ pub const BINDINGS: &[(u32, u32, &str, Resource)] = &[
     (0, 8, "absorption", Resource::Uniform),
     (0, 9, "cells_uniform", Resource::Uniform),
     (0, 10, "cells_texture", Resource::Texture),
+    (0, 11, "first_hits", Resource::Read),
     (1, 0, "probe_inputs", Resource::Read),
     (1, 1, "probe_outputs", Resource::ReadWrite),
 ];

@@ -1,10 +1,14 @@
 //! Tables as the shaders read them.
 
+use super::layout::FirstHit;
 use crate::concentric::Patch;
 use crate::distribution::direction_of;
 use crate::goniometer::{Goniometer, Incidence};
 use crate::scene::{MAX_KINDS, Side};
 use crate::tables::{CellEntry, Kind, SamplingTables};
+use crate::walk::{FirstHits, widen};
+use glam::DVec3;
+use std::ops::Range;
 
 /// One vector an entry: the patch, or its middle direction when there is no jitter, with the kind of fiber; w = alias and
 /// threshold. Behind the entries of each list, for tracking by tables, H(m) at the corners of each cell of rays.
@@ -77,6 +81,38 @@ pub fn incident_table(goniometer: &Goniometer) -> Vec<[f32; 4]> {
         }
     };
     (0..goniometer.starts()).map(entry).collect()
+}
+
+/// The rays of some starts, with places as lanes have them.
+pub fn first_hit_table(
+    tables: &SamplingTables,
+    goniometer: &Goniometer,
+    first_hits: &FirstHits,
+    starts: Range<usize>,
+) -> Vec<FirstHit> {
+    let each = first_hits.of_start;
+    let entry = |(ray, start): (&crate::walk::FirstHit, usize)| {
+        let [mx, my, mz] = ray.m;
+        let Some(fiber) = ray.fiber else {
+            return FirstHit { ray: [mx, my, mz, 0.0], place: [0.0; 4], fiber: [1.0, 0.0, 0.0, -1.0] };
+        };
+        let place = widen(fiber.place);
+        let place = match &tables.cells {
+            Some(cells) => (place + DVec3::Z * tables.thickness) / cells.grid.edges(),
+            None if goniometer.side(start) == Side::Front => place,
+            None => place + DVec3::Z * tables.thickness,
+        };
+        let [px, py, pz] = fiber.p;
+        FirstHit {
+            ray: [mx, my, mz, fiber.offset],
+            place: place.extend(0.0).as_vec4().to_array(),
+            fiber: [px, py, pz, fiber.kind as f32],
+        }
+    };
+    starts
+        .flat_map(|start| first_hits.rays[start * each..(start + 1) * each].iter().map(move |ray| (ray, start)))
+        .map(entry)
+        .collect()
 }
 
 /// Absorption by channel and kind, in 1/mm.

@@ -26,6 +26,8 @@ pub fn params(
         (DVec3::from(cells.grid.counts.map(f64::from)), cells.grid.edges().recip())
     });
     let radius = tables.carry.map_or(0.0, |carry| carry.radius);
+    let of_start = plan.first_hits.as_ref().map_or(0, |first_hits| first_hits.of_start as u64);
+    let first_ray = if of_start > 0 { walks.start % of_start } else { 0 };
     let walk_count = (walks.end - walks.start) as u32;
     let mut kinds = [[0.0; 4]; MAX_KINDS];
     for (place, kind) in kinds.iter_mut().zip(&tables.kinds) {
@@ -56,6 +58,7 @@ pub fn params(
         counts: counts.as_vec3().extend(0.0).to_array(),
         per_edge: per_edge.as_vec3().extend(0.0).to_array(),
         carry: (per_edge * radius).extend(radius).as_vec4().to_array(),
+        first_hits: [of_start as u32, first_ray as u32, 0, 0],
     }
 }
 

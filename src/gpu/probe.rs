@@ -82,7 +82,13 @@ impl<'a> Probe<'a> {
         let incident = incident_table(self.goniometer);
         let absorption = absorption_table(self.tables);
         let cells = cell_table(self.tables);
-        let packed = Packed { directions: &directions, cells: &cells, incident: &incident, absorption: &absorption };
+        let packed = Packed {
+            directions: &directions,
+            cells: &cells,
+            incident: &incident,
+            absorption: &absorption,
+            first_hits: &[],
+        };
         let in_texture = InTexture { directions: self.in_texture, cells: self.in_texture };
         // Each binding must hold one item of its kind.
         let sizes = Sizes { lanes: 1, bins: 1, traces: 1 };

@@ -30,6 +30,7 @@ pub struct Shape {
     pub visible_n: u32,
     /// As the shaders number it.
     pub placement: u32,
+    pub first_hits: bool,
 }
 
 /// A pipeline with its buffers.
@@ -139,7 +140,7 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 16] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 17] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -158,5 +159,6 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 16] {
         ("PLACEMENT", f64::from(shape.placement)),
         ("CELLS", flag(shape.cells)),
         ("CELLS_IN_TEXTURE", flag(shape.in_texture.cells)),
+        ("FIRST_HITS", flag(shape.first_hits)),
     ]
 }

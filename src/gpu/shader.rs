@@ -27,7 +27,7 @@ impl Shader {
 
     /// The kernel.
     pub fn walk() -> Shader {
-        Shader::common().with(part!("score.wgsl")).with(part!("walk.wgsl"))
+        Shader::common().with(part!("score.wgsl")).with(part!("first_hit.wgsl")).with(part!("walk.wgsl"))
     }
 
     /// The functions of the kernel one by one.

@@ -6,13 +6,14 @@ use crate::bsdf::noise;
 use crate::cloth::{Cloth, Realizer};
 use crate::distribution::{DirectionGrid, Effort, Gathering, SpecificLength};
 use crate::error::{Error, Result};
-use crate::explicit::{Clustering, Explicit, StraightLight};
+use crate::explicit::{Banks, Clustering, Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Moments, Straight, Tally};
-use crate::scene::{Direct, Scene, Structure};
+use crate::scene::{Direct, FirstHit, Model, Packing, Scene, Structure};
 use crate::tables::{Kind, SamplingTables};
-use crate::walk::{Engine, Implicit, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Memory that the results of a run may take, in bytes.
@@ -74,12 +75,15 @@ pub struct Prepared {
     pub goniometer: Goniometer,
     /// The light by start that touches no fiber, by straight rays; none where walks say it.
     pub straight: Option<Vec<Straight>>,
+    /// Where walks first meet a fiber; none where flights through the medium find it.
+    pub first_hits: Option<Arc<Banks>>,
 }
 
 impl Prepared {
     /// The medium, for an engine to send walks through.
     pub fn with<'a>(&'a self, engine: &'a dyn Engine) -> Implicit<'a> {
-        Implicit { engine, tables: &self.tables, straight: self.straight.as_deref() }
+        let first_hits = self.first_hits.as_deref().map(|banks| banks as &dyn FirstHitBanks);
+        Implicit { engine, tables: &self.tables, straight: self.straight.as_deref(), first_hits }
     }
 }
 
@@ -97,8 +101,9 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
 /// Those of [`prepare`].
 pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
-    let straight = StraightLight::new(&goniometer);
-    let wanted = scene.model.direct == Direct::Straight;
+    let rays = StraightRays::new(scene, &goniometer);
+    let Model { direct, first_hit, packing, .. } = scene.model;
+    let wanted = direct == Direct::Straight || first_hit == FirstHit::Fibers;
     let (specific_length, cloth, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
@@ -109,19 +114,36 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
         Structure::Weave(_) | Structure::Knit(_) => {
             let cloth = Cloth::new(scene)?;
-            let see = |number, realization: &_| if wanted { straight.add(number, realization) } else { Ok(()) };
+            let see = |number, realization: &_| if wanted { rays.add(number, realization) } else { Ok(()) };
             let (length, gathering) = SpecificLength::of_cloth(&cloth, &scene.model, Effort::default(), see, progress)?;
             (length, Some(cloth), Some(gathering))
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
     check_memory(memory(&tables, &goniometer), tables.channels(), &goniometer)?;
-    if wanted && gathering.is_none() {
-        let realizer = Realizer::new(scene, scene.model.packing)?;
-        straight.wanted().into_par_iter().try_for_each(|number| straight.add(number, &realizer.draw(number)?))?;
+    if !wanted {
+        return Ok(Prepared {
+            specific_length,
+            cloth,
+            gathering,
+            tables,
+            goniometer,
+            straight: None,
+            first_hits: None,
+        });
     }
-    let straight = straight.light();
-    Ok(Prepared { specific_length, cloth, gathering, tables, goniometer, straight })
+    let realizer = match &cloth {
+        Some(cloth) => Realizer::of_yarns(cloth.clone(), packing),
+        None => Realizer::new(scene, packing)?,
+    };
+    if gathering.is_none() {
+        StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
+    }
+    let straight = rays.light().filter(|_| direct == Direct::Straight);
+    // Separate fibers take too long to draw for fresh rays.
+    let realizer = Some(realizer).filter(|_| packing == Packing::Random);
+    let first_hits = (first_hit == FirstHit::Fibers).then(|| Arc::new(rays.into_banks(realizer)));
+    Ok(Prepared { specific_length, cloth, gathering, tables, goniometer, straight, first_hits })
 }
 
 /// Find the fibers of a scene, and set up the instrument.

@@ -7,12 +7,14 @@ use crate::bsdf::{Distance, distance_of, scattered};
 use crate::cloth::{Realization, Realizer};
 use crate::distribution::{Effort, SpecificLength};
 use crate::error::Result;
+use crate::explicit::Banks;
 use crate::goniometer::{Goniometer, Straight, Tally};
 use crate::measure::Prepared;
 use crate::scene::Scene;
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, Implicit, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What media of single realizations say of averaging.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +36,7 @@ pub struct Averaging {
     mean: SamplingTables,
     goniometer: Goniometer,
     straight: Option<Vec<Straight>>,
+    first_hits: Option<Arc<Banks>>,
 }
 
 impl Averaging {
@@ -56,7 +59,7 @@ impl Averaging {
         let singles = (0..drawn.len()).map(|number| tables(2, &|_| number)).collect::<Result<_>>()?;
         let mean = tables(realizations, &|number| number as usize)?;
         let (goniometer, straight) = (prepared.goniometer.clone(), prepared.straight.clone());
-        Ok(Some(Averaging { singles, mean, goniometer, straight }))
+        Ok(Some(Averaging { singles, mean, goniometer, straight, first_hits: prepared.first_hits.clone() }))
     }
 
     /// Of a trial of a medium, what [`Averaging::measure`] finds, with the first [`AVERAGED`] realizations; or why there is none.
@@ -90,7 +93,8 @@ impl Averaging {
         let each = walks.div_ceil(self.singles.len() as u64);
         let run = |tables: &SamplingTables, first: u64, walks: u64| -> Result<Tally> {
             let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-            let medium = Implicit { engine, tables, straight: self.straight.as_deref() };
+            let first_hits = self.first_hits.as_deref().map(|banks| banks as &dyn FirstHitBanks);
+            let medium = Implicit { engine, tables, straight: self.straight.as_deref(), first_hits };
             let tally = medium.run(&self.goniometer, &plan, &mut |_| {})?;
             tally.check(walks)?;
             Ok(tally)

@@ -4,7 +4,7 @@ use crate::cloth::Cloth;
 use crate::distribution::{cells_of_edge, thinnest_radius, usual_edge};
 use crate::error::Result;
 use crate::goniometer::Goniometer;
-use crate::scene::{Direct, Medium, Model, Packing, Placement, Scene, Structure, Tracking};
+use crate::scene::{Direct, FirstHit, Medium, Model, Packing, Placement, Scene, Structure, Tracking};
 use crate::walk::{Purpose, draw};
 use std::fmt::Write;
 
@@ -105,6 +105,12 @@ impl Configuration {
         self
     }
 
+    /// With first hits from elsewhere.
+    pub fn hit_first(mut self, first_hit: FirstHit) -> Configuration {
+        self.model.first_hit = first_hit;
+        self
+    }
+
     /// With half the edge of the cells; none where there are no cells, or as many as there can be.
     pub fn halved(self, extent: &Extent) -> Option<Configuration> {
         let (cells, finer) = match (self.model.cells, self.edge) {
@@ -150,7 +156,8 @@ impl Configuration {
     /// directions, and every setting that is not the usual one. The fibers themselves are `fibers 256w`, with the walks of each
     /// start through one realization.
     pub fn name(&self) -> String {
-        let Model { medium, tracking, placement, direct, packing, directions, length_over_radius, .. } = self.model;
+        let Model { medium, tracking, placement, direct, first_hit, packing, directions, length_over_radius, .. } =
+            self.model;
         let mut name = String::new();
         if packing == Packing::Separate {
             name += "separate ";
@@ -174,6 +181,9 @@ impl Configuration {
         }
         if direct != usual.direct {
             name += if direct == Direct::Walks { " direct by walks" } else { " direct by rays" };
+        }
+        if first_hit != usual.first_hit {
+            name += if first_hit == FirstHit::Medium { " first hit in the medium" } else { " first hit on fibers" };
         }
         if length_over_radius.is_finite() {
             let _ = write!(name, " length {}", short(length_over_radius));
@@ -205,16 +215,18 @@ mod tests {
         assert_eq!(usual.name(), "carried 2R 1024d");
         let names = [
             usual.edged(4.0).name(),
-            usual.coned(0.0).name(),
+            usual.coned(2.0).name(),
             usual.placed(Placement::AtHit).tracked(Tracking::Tabulated).name(),
             usual.lit(Direct::Walks).directed(64).name(),
+            usual.hit_first(FirstHit::Medium).name(),
             Configuration::fibers(&voile, 256).name(),
         ];
         let expected = [
             "carried 4R 1024d",
-            "carried 2R 1024d cone 0",
+            "carried 2R 1024d cone 2",
             "tabulated at-hit 2R 1024d",
             "carried 2R 64d direct by walks",
+            "carried 2R 1024d first hit in the medium",
             "fibers 256w",
         ];
         assert_eq!(names, expected);

@@ -3,7 +3,7 @@
 use super::configuration::{Configuration, Extent};
 use crate::cloth::Realizer;
 use crate::error::Result;
-use crate::explicit::Explicit;
+use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
 use crate::measure::{Prepared, prepare};
 use crate::scene::{Medium, Scene};
@@ -97,11 +97,14 @@ impl Trial {
         self.drawing
     }
 
-    /// Memory in bytes of what light goes through: the tables of a medium, or one realization of the fibers, of which each
+    /// Memory in bytes of what light goes through: the tables of a medium and the rays that find first hits, or one realization of the fibers, of which each
     /// thread has one.
     pub fn bytes(&self) -> usize {
         match &self.body {
-            Body::Medium(prepared) => prepared.tables.bytes(),
+            Body::Medium(prepared) => {
+                let rays = prepared.first_hits.as_ref().map_or(0, |_| StraightRays::bytes(self.goniometer.starts()));
+                prepared.tables.bytes() + rays
+            }
             Body::Fibers(explicit) => explicit.bytes().iter().sum(),
         }
     }

@@ -10,7 +10,8 @@ use crate::optics::{Encounter, Passage};
 use crate::scene::Side;
 use crate::tables::{Kind, SamplingTables};
 use crate::walk::{
-    EventDraws, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform,
+    EventDraws, FirstHit, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place,
+    uniform, widen,
 };
 use glam::{DVec2, DVec3};
 
@@ -62,6 +63,10 @@ pub(super) fn walk(
     i: u64,
     witness: &mut impl Witness,
 ) -> Walked {
+    if let Some(first_hits) = &plan.first_hits {
+        let begun = first_hit(tables, goniometer, plan, (start, i), first_hits.of_walk(start, i), witness);
+        return begun.map_or_else(|walked| walked, |begun| go_on(tables, goniometer, plan, (start, i), begun, witness));
+    }
     let id = WalkPlan::walk_id(goniometer.starts(), i, start);
     let lit = goniometer.side(start);
     let words = draw(plan.seed, id, 0, Purpose::Start);
@@ -72,6 +77,33 @@ pub(super) fn walk(
     let period = tables.cells.as_ref().map_or(DVec2::splat(tables.thickness), |cells| cells.grid.period);
     let begun = Begun { place: (start_place(words) * period).extend(z), m, walked: Walked::default() };
     go_on(tables, goniometer, plan, (start, i), begun, witness)
+}
+
+/// Send a walk along a straight ray and through the fiber that it meets: event 0. It has ended if there is none.
+fn first_hit(
+    tables: &SamplingTables,
+    goniometer: &Goniometer,
+    plan: &WalkPlan,
+    (start, i): (usize, u64),
+    ray: &FirstHit,
+    witness: &mut impl Witness,
+) -> Result<Begun, Walked> {
+    let m = widen(ray.m).normalize();
+    let mut walked = Walked::default();
+    walked.record.events = 1;
+    let Some(fiber) = ray.fiber else {
+        walked.record.bin = goniometer.exit_bin(goniometer.side(start), m, false) as u32;
+        return Err(walked);
+    };
+    let id = WalkPlan::walk_id(goniometer.starts(), i, start);
+    let number = EventDraws::new(draw(plan.seed, id, 0, Purpose::Event)).accept;
+    let (kind, p) = (&tables.kinds[fiber.kind as usize], widen(fiber.p).normalize());
+    let passage = scatter(m, p, f64::from(fiber.offset), number, kind, tables.half_length, witness);
+    walked.record.hits = 1;
+    walked.lengths[fiber.kind as usize] = passage.path * kind.radius;
+    walked.base_exits = u32::from(passage.through_base);
+    let displacement = if tables.carry.is_some() { passage.displacement * kind.radius } else { DVec3::ZERO };
+    Ok(Begun { place: widen(fiber.place) + displacement, m: passage.direction.normalize(), walked })
 }
 
 /// A walk that is under way.
@@ -112,6 +144,7 @@ fn go_on(
     let station = Station::start(grid, place);
     witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
     let mut flight = Flight::new(station);
+    flight.left_fiber = tables.carry.is_some() && walked.record.hits > 0;
     let roulette = plan.roulette && tables.absorbing();
     let layout = goniometer.layout();
     for event in walked.record.events..plan.max_events {

@@ -118,6 +118,7 @@ impl Scene {
         let fibers = read_fibers(&root.require("fiber")?.table()?, source.folder.as_deref())?;
         let structure = read_structure(&root, &fibers, source.folder.as_deref())?;
         let mut model = Model::of(!matches!(structure, Structure::Sheet(_)));
+        model.directions = structure.usual_directions();
         if let Some(value) = root.get("model") {
             model.read(&value.table()?)?;
         }

@@ -77,6 +77,16 @@ pub enum Direct {
     Straight,
 }
 
+/// What walks through a medium meet first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FirstHit {
+    /// A fiber of the medium, by a flight like all others.
+    Medium,
+    /// A fiber of a realization, by a straight ray.
+    Fibers,
+}
+
 /// The model's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Model {
@@ -91,6 +101,8 @@ pub struct Model {
     pub placement_chosen: bool,
     /// Where the share of the light comes from that touches no fiber.
     pub direct: Direct,
+    /// What walks meet first.
+    pub first_hit: FirstHit,
     /// How the fibers of a realization are laid.
     pub packing: Packing,
     /// Cells of the direction grid, a square number.
@@ -105,12 +117,21 @@ pub struct Model {
     pub cone: Option<f64>,
 }
 
-/// The cone of a cloth of yarns where the file does not say, in radians.
-const CONE: f64 = 2.0 * std::f64::consts::PI / 180.0;
-const KEYS: [&str; 8] =
-    ["tracking", "placement", "packing", "direct", "directions", "length_over_radius", "cells", "cone_deg"];
+/// The cone of a cloth of yarns where the file does not say, in radians: directions are kept as they were counted.
+const CONE: f64 = 0.0;
+const KEYS: [&str; 9] = [
+    "tracking",
+    "placement",
+    "packing",
+    "direct",
+    "first_hit",
+    "directions",
+    "length_over_radius",
+    "cells",
+    "cone_deg",
+];
 /// The first ones, which a sheet has as well.
-const KEYS_OF_SHEETS: usize = 6;
+const KEYS_OF_SHEETS: usize = 7;
 
 impl Default for Model {
     fn default() -> Model {
@@ -120,6 +141,7 @@ impl Default for Model {
             placement: Placement::AtHit,
             placement_chosen: false,
             direct: Direct::Walks,
+            first_hit: FirstHit::Medium,
             packing: Packing::Random,
             directions: 1024,
             length_over_radius: f64::INFINITY,
@@ -134,7 +156,7 @@ impl Model {
     pub fn of(of_yarns: bool) -> Model {
         let mut model = Model::default();
         if of_yarns {
-            (model.cone, model.direct) = (Some(CONE), Direct::Straight);
+            (model.cone, model.direct, model.first_hit) = (Some(CONE), Direct::Straight, FirstHit::Fibers);
         }
         model.settle();
         model
@@ -179,7 +201,7 @@ impl Model {
         })
     }
 
-    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `direct`, `directions`, `cells` (such as
+    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `direct`, `first-hit`, `directions`, `cells` (such as
     /// `24x24x8`) or `cone` (in degrees), written as in the file or as a bare word.
     ///
     /// # Errors
@@ -207,6 +229,9 @@ impl Model {
             }
             "direct" => {
                 self.direct = value.choice(&[("walks", Direct::Walks), ("straight", Direct::Straight)], &[])?;
+            }
+            "first_hit" | "first-hit" => {
+                self.first_hit = value.choice(&[("medium", FirstHit::Medium), ("fibers", FirstHit::Fibers)], &[])?;
             }
             "packing" => {
                 self.packing = value.choice(&[("random", Packing::Random), ("separate", Packing::Separate)], &[])?;

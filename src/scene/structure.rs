@@ -4,7 +4,7 @@ use super::knit::{Knit, read_knit};
 use super::reader::Table;
 use super::sheet::{Fiber, MAX_KINDS, Sheet, read_sheet};
 use super::weave::{Weave, read_weave};
-use super::yarn::read_yarns;
+use super::yarn::{Yarn, read_yarns};
 use crate::error::Result;
 use std::path::Path;
 
@@ -27,6 +27,18 @@ impl Structure {
             Structure::Weave(weave) => weave.kinds(),
             Structure::Knit(knit) => knit.kinds(),
         }
+    }
+
+    /// Cells of the grid of directions where the file does not say. Filaments without twist lie in a few directions, which cost
+    /// little and whose lobes are sharp; fibers of twisted yarns are spread by their twist.
+    pub fn usual_directions(&self) -> u32 {
+        let yarns = match self {
+            Structure::Sheet(_) => return 1024,
+            Structure::Weave(weave) => &weave.yarns,
+            Structure::Knit(knit) => std::slice::from_ref(&knit.yarn),
+        };
+        let straight = |yarn: &Yarn| yarn.ply_twist == 0.0 && yarn.twist == 0.0 && yarn.flyaways.is_none();
+        if yarns.iter().all(straight) { 16384 } else { 1024 }
     }
 }
 

@@ -6,11 +6,13 @@
 //! a tally does not depend on how the work was cut.
 
 mod draws;
+mod first_hits;
 mod plan;
 mod rng;
 mod score;
 
 pub use draws::{EventDraws, start_draws, start_place, uniform};
+pub use first_hits::{FirstHit, FirstHitBanks, FirstHits, MetFiber, widen};
 pub use plan::{
     Engine, Implicit, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, Walker,
 };

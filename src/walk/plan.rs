@@ -1,8 +1,11 @@
 //! The plan of a run and the interface of an engine.
 
+use super::first_hits::{FirstHitBanks, FirstHits};
 use crate::error::{Error, Result};
 use crate::goniometer::{Goniometer, Straight, Tally};
 use crate::tables::SamplingTables;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Roulette is played each time that a walk has made this many more tentative events.
 pub const ROULETTE_EVERY: u32 = 16;
@@ -15,7 +18,7 @@ pub const MOST_REFUSALS: u32 = 1024;
 pub const MAX_EVENTS: u32 = 1 << 24;
 
 /// Which walks to make.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WalkPlan {
     /// Seed of the random numbers.
     pub seed: u64,
@@ -29,12 +32,22 @@ pub struct WalkPlan {
     pub max_events: u32,
     /// Let Russian roulette end walks that carry little light.
     pub roulette: bool,
+    /// Where walks first meet a fiber; none where a flight through the medium is to find it.
+    pub first_hits: Option<Arc<FirstHits>>,
 }
 
 impl WalkPlan {
     /// A plan with the usual settings.
     pub fn new(seed: u64, walks_per_incident: u64) -> WalkPlan {
-        WalkPlan { seed, first: 0, walks_per_incident, jitter: true, max_events: MAX_EVENTS, roulette: true }
+        WalkPlan {
+            seed,
+            first: 0,
+            walks_per_incident,
+            jitter: true,
+            max_events: MAX_EVENTS,
+            roulette: true,
+            first_hits: None,
+        }
     }
 
     /// Refuse a plan that the tables of a medium are not made for.
@@ -113,12 +126,57 @@ pub struct Implicit<'a> {
     pub tables: &'a SamplingTables,
     /// The light by start that touches no fiber, if it is known better.
     pub straight: Option<&'a [Straight]>,
+    /// Where walks first meet a fiber; none where flights find it.
+    pub first_hits: Option<&'a dyn FirstHitBanks>,
+}
+
+impl Implicit<'_> {
+    /// Make the walks of a plan bank by bank.
+    fn run_in_banks(
+        &self,
+        banks: &dyn FirstHitBanks,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+        progress: &mut dyn FnMut(&Tally),
+    ) -> Result<Tally> {
+        let Range { start: mut first, end } = plan.walks();
+        let mut whole: Option<Tally> = None;
+        loop {
+            let bank = first / banks.span();
+            let next = end.min((bank + 1) * banks.span());
+            let first_hits = Some(banks.bank(bank)?);
+            let part = WalkPlan { first, walks_per_incident: next - first, first_hits, ..plan.clone() };
+            let before = whole.clone();
+            let mut tell = |part: &Tally| match &before {
+                None => progress(part),
+                // Banks before this one count as well.
+                Some(before) => {
+                    let mut sum = before.clone();
+                    sum.add_counts(part);
+                    progress(&sum);
+                }
+            };
+            let tally = self.engine.run(self.tables, goniometer, &part, &mut tell)?;
+            match &mut whole {
+                None => whole = Some(tally),
+                Some(whole) => whole.merge(&tally)?,
+            }
+            first = next;
+            match whole {
+                Some(whole) if first >= end => return Ok(whole),
+                _ => {}
+            }
+        }
+    }
 }
 
 impl Walker for Implicit<'_> {
     fn run(&self, goniometer: &Goniometer, plan: &WalkPlan, progress: &mut dyn FnMut(&Tally)) -> Result<Tally> {
         let straight = self.straight.map(<[Straight]>::to_vec);
-        let mut tally = self.engine.run(self.tables, goniometer, plan, progress)?;
+        let mut tally = match self.first_hits {
+            None => self.engine.run(self.tables, goniometer, plan, progress)?,
+            Some(banks) => self.run_in_banks(banks, goniometer, plan, progress)?,
+        };
         tally.straight = straight;
         Ok(tally)
     }

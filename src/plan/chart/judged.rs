@@ -8,7 +8,7 @@ use super::points::Point;
 use super::series::{Series, median};
 use crate::bsdf::{Distance, Estimate, block_noise, block_totals, distance};
 use crate::error::Result;
-use crate::scene::Tracking;
+use crate::scene::{FirstHit, Tracking};
 
 /// Walks of each start that points are of: 4ᵏ.
 const WALKS: std::ops::RangeInclusive<u32> = 4..=14;
@@ -18,13 +18,16 @@ const BEYOND: u64 = 16;
 const LOUDEST: f64 = 0.3;
 const QUIET: f64 = 0.25;
 
-/// Nanoseconds of an event by engine class, model and tracking.
-pub struct Speeds(Vec<((Class, bool, Tracking), f64)>);
+/// What kernels have in common: engine class, whether light goes through the fibers, tracking and source of first hits.
+type Kernel = (Class, bool, Tracking, FirstHit);
+
+/// Nanoseconds of an event by kernel.
+pub struct Speeds(Vec<(Kernel, f64)>);
 
 impl Speeds {
     /// Of all visits.
     pub fn of(series: &[Series]) -> Speeds {
-        let mut all: Vec<((Class, bool, Tracking), Vec<f64>)> = Vec::new();
+        let mut all: Vec<(Kernel, Vec<f64>)> = Vec::new();
         for one in series {
             for visit in &one.visits {
                 let key = Speeds::key(one, visit.class);
@@ -39,8 +42,9 @@ impl Speeds {
         Speeds(all.into_iter().filter_map(|(key, list)| Some((key, median(&list)?))).collect())
     }
 
-    fn key(series: &Series, class: Class) -> (Class, bool, Tracking) {
-        (class, series.explicit(), series.configuration.model.tracking)
+    fn key(series: &Series, class: Class) -> Kernel {
+        let model = series.configuration.model;
+        (class, series.explicit(), model.tracking, model.first_hit)
     }
 
     fn get(&self, series: &Series, class: Class) -> f64 {
@@ -128,6 +132,7 @@ impl Judged<'_> {
                 placement: of_medium.then_some(configuration.model.placement),
                 packing: configuration.model.packing,
                 direct: of_medium.then_some(configuration.model.direct),
+                first_hit: of_medium.then_some(configuration.model.first_hit),
                 cells: if of_medium { configuration.cells(extent) } else { None },
                 edge_r: configuration.edge,
                 directions: of_medium.then_some(configuration.model.directions),

@@ -10,7 +10,7 @@ use super::series::Series;
 use super::state::Head;
 use crate::bsdf::{Estimate, block_noise};
 use crate::error::Result;
-use crate::scene::{Direct, Packing, Placement, Scene, Tracking};
+use crate::scene::{Direct, FirstHit, Packing, Placement, Scene, Tracking};
 use serde::Serialize;
 
 /// One point of a chart.
@@ -30,6 +30,8 @@ pub struct Point {
     pub packing: Packing,
     /// Where the direct light comes from.
     pub direct: Option<Direct>,
+    /// What walks meet first.
+    pub first_hit: Option<FirstHit>,
     /// Cells along x, y and z; none of a sheet.
     pub cells: Option<[u32; 3]>,
     /// Edge of a cell in radii of the thinnest fiber.
@@ -52,7 +54,7 @@ pub struct Point {
     pub total_s: [f64; 3],
     /// Tentative events of a walk, or pieces of fibers tested.
     pub events_per_walk: f64,
-    /// Nanoseconds of an event in this engine class, model and tracking: the median over all visits.
+    /// Nanoseconds of an event in this engine class, model, tracking and source of first hits: the median over all visits.
     pub ns_per_event: f64,
     /// Seconds of these walks at that speed, and with the drawing of realizations: without the noise of the clock.
     pub noise_free_cost_s: f64,
@@ -216,6 +218,7 @@ pub(super) mod tests {
             placement: None,
             packing: Packing::Random,
             direct: None,
+            first_hit: None,
             cells: None,
             edge_r: None,
             directions: None,

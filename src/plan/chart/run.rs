@@ -8,7 +8,7 @@ use super::series::Series;
 use super::state::Store;
 use super::sweep::sweep;
 use crate::error::Result;
-use crate::scene::{Direct, Scene};
+use crate::scene::{Direct, FirstHit, Model, Scene};
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
@@ -169,8 +169,8 @@ impl Work<'_> {
         preparing + walking
     }
 
-    /// Seconds that a preparation is expected to take: as the last one, or by the cells of one that is known and has its direct
-    /// light from the same source; if none has, and it is straight rays, their realizations are still to be drawn.
+    /// Seconds that a preparation is expected to take: as the last one, or by the cells of one that is known and has
+    /// straight rays like it, or none; if none has and it has some, their realizations are still to be drawn.
     fn expected_preparing(&self, index: usize) -> f64 {
         let series = &self.series[index];
         if let Some(seconds) = series.prepare_seconds() {
@@ -180,16 +180,16 @@ impl Work<'_> {
             let cells = series.configuration.cells(self.settings.extent).unwrap_or([1; 3]);
             cells.iter().map(|count| f64::from(*count)).product::<f64>()
         };
-        let far = |other: &Series| {
-            let direct = other.configuration.model.direct != series.configuration.model.direct;
-            (direct, (cells(other) / cells(series)).ln().abs())
+        let rays = |series: &Series| {
+            let Model { direct, first_hit, .. } = series.configuration.model;
+            direct == Direct::Straight || first_hit == FirstHit::Fibers
         };
+        let far = |other: &Series| (rays(other) != rays(series), (cells(other) / cells(series)).ln().abs());
         let known = self.series.iter().filter(|other| other.explicit() == series.explicit());
         let known = known.filter_map(|other| Some((far(other), cells(other), other.prepare_seconds()?)));
         let nearest = known.min_by(|(a, ..), (b, ..)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let Some(((other_direct, _), other, seconds)) = nearest else { return 0.0 };
-        let rays = other_direct && series.configuration.model.direct == Direct::Straight;
-        let drawing = if rays { REALIZATIONS_OF_RAYS * self.series[0].drawing } else { 0.0 };
+        let Some(((unlike, _), other, seconds)) = nearest else { return 0.0 };
+        let drawing = if unlike && rays(series) { REALIZATIONS_OF_RAYS * self.series[0].drawing } else { 0.0 };
         drawing + seconds * (cells(series) / other).max(1.0).sqrt()
     }
 

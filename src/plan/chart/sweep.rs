@@ -2,7 +2,7 @@
 
 use super::super::budget::refinements;
 use super::super::configuration::{Configuration, Extent};
-use crate::scene::{Direct, Placement, Scene, Tracking};
+use crate::scene::{Direct, FirstHit, Placement, Scene, Tracking};
 
 /// Edges of cells in radii of the thinnest fiber, beside the usual one and half of it.
 const EDGES: [f64; 2] = [8.0, 4.0];
@@ -10,6 +10,8 @@ const EDGES: [f64; 2] = [8.0, 4.0];
 const NEAR: f64 = 1.4;
 /// Numbers of directions.
 const DIRECTIONS: [u32; 3] = [256, 1024, 4096];
+/// Half angle of a cone in degrees, where the scene has none.
+const CONE_DEG: f64 = 2.0;
 /// Walks through one realization, as factors of the usual number.
 const EACH: [(u64, u64); 3] = [(1, 4), (4, 1), (1, 16)];
 
@@ -54,15 +56,17 @@ fn products(base: Configuration, halved: Option<Configuration>, finest: Configur
     directions.sort_unstable();
     directions.dedup();
     let mut cones = vec![base.cone_deg().unwrap_or_default()];
-    cones.extend(base.cone_deg().filter(|cone| *cone > 0.0).map(|_| 0.0));
+    cones.extend(base.cone_deg().map(|cone| if cone > 0.0 { 0.0 } else { CONE_DEG }));
     let mut list = Vec::new();
     for (tracking, placement) in ways {
         for size in &sizes {
             for &directions in &directions {
                 for &cone in &cones {
-                    for direct in [base.model.direct, other(base.model.direct)] {
-                        let way = size.tracked(tracking).placed(placement);
-                        list.push(way.directed(directions).coned(cone).lit(direct));
+                    for [lit, hit] in [[false, false], [true, false], [false, true], [true, true]] {
+                        let way = size.tracked(tracking).placed(placement).directed(directions).coned(cone);
+                        let (direct, first_hit) = others(&base);
+                        let way = if lit { way.lit(direct) } else { way };
+                        list.push(if hit { way.hit_first(first_hit) } else { way });
                     }
                 }
             }
@@ -71,11 +75,17 @@ fn products(base: Configuration, halved: Option<Configuration>, finest: Configur
     list
 }
 
-fn other(direct: Direct) -> Direct {
-    match direct {
+/// The other sources of direct light and of first hits.
+fn others(base: &Configuration) -> (Direct, FirstHit) {
+    let direct = match base.model.direct {
         Direct::Walks => Direct::Straight,
         Direct::Straight => Direct::Walks,
-    }
+    };
+    let first_hit = match base.model.first_hit {
+        FirstHit::Medium => FirstHit::Fibers,
+        FirstHit::Fibers => FirstHit::Medium,
+    };
+    (direct, first_hit)
 }
 
 /// In how many settings two configurations differ; where there are as many, large cells go first.
@@ -87,6 +97,7 @@ fn differences(a: &Configuration, b: &Configuration) -> (usize, u64) {
         a.model.directions != b.model.directions,
         a.model.cone != b.model.cone,
         a.model.direct != b.model.direct,
+        a.model.first_hit != b.model.first_hit,
     ];
     let edge = a.edge.unwrap_or_default();
     (settings.iter().filter(|differs| **differs).count(), (1e6 / edge.max(1e-3)) as u64)
@@ -110,15 +121,14 @@ mod tests {
     #[test]
     fn a_few_that_are_far_apart_come_first_and_all_products_are_there() {
         let voile = names("voile");
-        let head =
-            ["fibers 256w", "carried 2R 1024d", "carried 8R 1024d", "at-hit 2R 1024d", "carried 2R 4096d cone 0"];
+        let head = ["fibers 64w", "carried 2R 1024d", "carried 8R 1024d", "at-hit 2R 1024d", "carried 2R 4096d"];
         assert_eq!(voile[..5], head);
-        // 5 ways, 4 edges, 3 numbers of directions, 2 cones, 2 kinds of direct light; and the fibers.
-        assert_eq!(voile.len(), 240 + 4);
+        // 5 ways, 4 edges, 3 numbers of directions, 2 cones, 2 sources of direct light and of first hits; and the fibers.
+        assert_eq!(voile.len(), 480 + 4);
         assert_eq!(voile.iter().collect::<HashSet<_>>().len(), voile.len());
-        assert!(voile.contains(&"tabulated at-hit 8R 256d cone 0 direct by walks".into()));
+        assert!(voile.contains(&"tabulated at-hit 8R 256d cone 2 direct by walks first hit in the medium".into()));
         let felt = names("felt");
-        assert_eq!(felt[..3], ["fibers 256w", "at-hit 1024d", "at-hit 256d"]);
-        assert_eq!(felt.len(), 5 * 3 * 2 + 4);
+        assert_eq!(felt[..3], ["fibers 64w", "at-hit 1024d", "at-hit 256d"]);
+        assert_eq!(felt.len(), 5 * 3 * 2 * 2 + 4);
     }
 }

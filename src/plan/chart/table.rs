@@ -1,10 +1,10 @@
 //! The points as a table of comma-separated values.
 
 use super::points::{Chart, Point};
-use crate::scene::{Direct, Packing, Tracking};
+use crate::scene::{Direct, FirstHit, Packing, Tracking};
 
 /// The columns of `chart.csv`, in their order.
-pub const COLUMNS: [&str; 40] = [
+pub const COLUMNS: [&str; 41] = [
     "name",
     "model",
     "engine",
@@ -12,6 +12,7 @@ pub const COLUMNS: [&str; 40] = [
     "placement",
     "packing",
     "direct",
+    "first_hit",
     "cells",
     "edge_r",
     "directions",
@@ -70,6 +71,10 @@ fn row(point: &Point, own: bool) -> Vec<String> {
         Direct::Walks => "walks",
         Direct::Straight => "straight",
     });
+    let first_hit = point.first_hit.map(|first_hit| match first_hit {
+        FirstHit::Medium => "medium",
+        FirstHit::Fibers => "fibers",
+    });
     let packing = match point.packing {
         Packing::Random => "random",
         Packing::Separate => "separate",
@@ -82,6 +87,7 @@ fn row(point: &Point, own: bool) -> Vec<String> {
         word(point.placement.map(|placement| placement.name())),
         packing.into(),
         word(direct),
+        word(first_hit),
         point.cells.map_or(String::new(), |[x, y, z]| format!("{x}x{y}x{z}")),
         plain(point.edge_r),
         whole(point.directions.map(u64::from)),

@@ -32,7 +32,7 @@ impl Scale {
     /// multiples where there is room.
     pub fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = (self.high / self.low).log10();
-        let labelled: &[u32] = if decades < 2.6 { &[1, 2, 5] } else { &[1] };
+        let labelled: &[u32] = if decades < 3.0 { &[1, 2, 5] } else { &[1] };
         let mut ticks = Vec::new();
         for power in self.low.log10().floor() as i32..=self.high.log10().ceil() as i32 {
             for digit in 1..10u32 {

@@ -96,7 +96,7 @@ pub struct Arguments {
     sides: Option<String>,
 }
 
-fn whole(text: &str) -> std::result::Result<u64, String> {
+pub fn whole(text: &str) -> std::result::Result<u64, String> {
     text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
 }
 
@@ -114,14 +114,14 @@ pub fn share(text: &str) -> std::result::Result<f64, String> {
     number.ok_or_else(|| "must be a share from 0.001% to 100%, such as 5% or 0.05".into())
 }
 
-fn seconds(text: &str) -> std::result::Result<Duration, String> {
+pub fn seconds(text: &str) -> std::result::Result<Duration, String> {
     let number: Option<f64> = text.strip_suffix('s').unwrap_or(text).parse().ok();
     let number = number.filter(|seconds| (1e-3..=1e7).contains(seconds));
     number.map(Duration::from_secs_f64).ok_or_else(|| "must be a time from 0.001s to 10000000s, such as 60s".into())
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Choice {
+pub enum Choice {
     Auto,
     Gpu,
     Cpu,

@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, all else to stderr.
 
+mod chart;
 mod compare;
 mod curves;
 mod engines;
@@ -29,6 +30,7 @@ struct Arguments {
 enum Command {
     Measure(Box<measure::Arguments>),
     Inspect(inspect::Arguments),
+    Chart(chart::Arguments),
     Compare(compare::Arguments),
     Curves(curves::Arguments),
     Engines(engines::Arguments),
@@ -39,6 +41,7 @@ enum Command {
 pub fn run() -> Result<()> {
     match parse()?.command {
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Chart(arguments) => chart::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Curves(arguments) => curves::run(&arguments),

@@ -13,7 +13,18 @@ use crate::measure::Prepared;
 use crate::scene::Scene;
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// What media of single realizations say of averaging.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Averaged {
+    /// E between the mean over media of single realizations and the medium of their mean.
+    pub of_mean: Distance,
+    /// E between the mean over media of single realizations and the fibers. Where cells are finer than the distance of fibers it may be
+    /// the larger one: light that has left a fiber meets its like again in a cell that holds no other.
+    pub of_fibers: Distance,
+}
 
 /// Media of single realizations, and the medium of their mean.
 ///
@@ -47,11 +58,11 @@ impl Averaging {
         // A realization counted twice is the mean of itself.
         let singles = (0..drawn.len()).map(|number| tables(2, &|_| number)).collect::<Result<_>>()?;
         let mean = tables(realizations, &|number| number as usize)?;
-        let Prepared { goniometer, straight, first_hits, .. } = prepared.clone();
-        Ok(Some(Averaging { singles, mean, goniometer, straight, first_hits }))
+        let (goniometer, straight) = (prepared.goniometer.clone(), prepared.straight.clone());
+        Ok(Some(Averaging { singles, mean, goniometer, straight, first_hits: prepared.first_hits.clone() }))
     }
 
-    /// E of a trial of a medium by [`Averaging::distance`], with the first [`AVERAGED`] realizations; or why there is none.
+    /// Of a trial of a medium, what [`Averaging::measure`] finds, with the first [`AVERAGED`] realizations; or why there is none.
     ///
     /// # Errors
     /// A sentence that says why it does not apply or could not be measured.
@@ -62,22 +73,23 @@ impl Averaging {
         engine: &dyn Engine,
         seed: u64,
         walks: u64,
-    ) -> std::result::Result<Distance, String> {
+        fibers: &[Tally],
+    ) -> std::result::Result<Averaged, String> {
         let none = "no realizations are counted: the density is stated";
         let medium = trial.medium().ok_or(none)?;
         let scene = trial.configuration().apply(scene, extent);
         let averaging = Averaging::new(&scene, medium, AVERAGED).map_err(|error| error.to_string())?.ok_or(none)?;
         // Walks of their own, independent of those of the trial.
         let seed = !trial.configuration().seed(seed);
-        averaging.distance(engine, seed, walks).map_err(|error| error.to_string())
+        averaging.measure(engine, seed, walks, fibers).map_err(|error| error.to_string())
     }
 
     /// E between the mean over the media of single realizations and the medium of their mean, with `walks` walks of each start in
-    /// each of [`BLOCKS`] blocks of both.
+    /// each of [`BLOCKS`] blocks of both; and between that mean and the fibers.
     ///
     /// # Errors
-    /// Those of [`Engine::run`].
-    pub fn distance(&self, engine: &dyn Engine, seed: u64, walks: u64) -> Result<Distance> {
+    /// Those of [`Engine::run`] and [`distance_of`].
+    pub fn measure(&self, engine: &dyn Engine, seed: u64, walks: u64, fibers: &[Tally]) -> Result<Averaged> {
         let each = walks.div_ceil(self.singles.len() as u64);
         let run = |tables: &SamplingTables, first: u64, walks: u64| -> Result<Tally> {
             let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
@@ -101,6 +113,7 @@ impl Averaging {
             together.push(scattered(&run(&self.mean, next, walks)?));
             next += walks;
         }
-        distance_of(&apart, &together)
+        let fibers: Vec<Vec<f64>> = fibers.iter().map(scattered).collect();
+        Ok(Averaged { of_mean: distance_of(&apart, &together)?, of_fibers: distance_of(&apart, &fibers)? })
     }
 }

@@ -1,6 +1,6 @@
 //! Where the error of a configuration comes from, part by part.
 
-use super::averaging::Averaging;
+use super::averaging::{Averaged, Averaging};
 use super::configuration::{Configuration, Extent};
 use super::trial::Trial;
 use crate::bsdf::{Distance, Estimate, block_noise, distance};
@@ -126,8 +126,8 @@ pub struct Evidence<'a> {
     pub finest: (Configuration, Blocks<'a>),
     /// Of the fibers themselves.
     pub fibers: Blocks<'a>,
-    /// The mean over media of single realizations against the medium of their mean.
-    pub averaging: std::result::Result<Distance, String>,
+    /// Media of single realizations.
+    pub averaging: std::result::Result<Averaged, String>,
 }
 
 /// The configurations that a budget holds another against: four times the directions and no cone; half the edge, if that can be;
@@ -165,8 +165,12 @@ impl Budget {
         add(Part::Directions, format!("{name} against {}", directions.0.name()), measured(base, &directions.1)?);
         let finer = cells.0.map_or("half the edge".into(), |configuration| configuration.name());
         add(Part::Cells, format!("{name} against {finer}"), measured(base, &cells.1)?);
-        let change = format!("{AVERAGED} media of single realizations against the medium of their mean");
-        add(Part::Averaging, change, averaging.clone().map(Deviation::from));
+        let own = averaging.as_ref().ok().map(|found| Deviation::from(found.of_fibers));
+        let off = own.map_or(String::new(), |own| {
+            format!(" (off by {:.1} ± {:.1} % against the fibers)", 100.0 * own.value, 100.0 * own.stderr)
+        });
+        let change = format!("{AVERAGED} media of single realizations{off} against the medium of their mean");
+        add(Part::Averaging, change, averaging.clone().map(|found| found.of_mean.into()));
         add(Part::Medium, format!("{} against the fibers", finest.0.name()), measured(&finest.1, fibers)?);
         add(Part::Total, format!("{name} against the fibers"), measured(base, fibers)?);
         Ok(Budget { configuration: name, walks, parts })
@@ -181,7 +185,7 @@ impl Budget {
         scene: &Scene,
         extent: &Extent,
         base: Configuration,
-        engine: &(dyn Engine + Sync),
+        engine: &dyn Engine,
         seed: u64,
         walks: u64,
     ) -> Result<Budget> {
@@ -191,9 +195,10 @@ impl Budget {
             let blocks = trial.blocks(engine, trial.configuration().seed(seed), 0, walks)?;
             Ok(blocks.into_iter().map(|block| block.tally).collect())
         };
+        let fibers = blocks(&Trial::prepare(scene, extent, Configuration::usual_fibers(scene))?)?;
         let trial = Trial::prepare(scene, extent, base)?;
         let own = blocks(&trial)?;
-        let averaging = Averaging::of(scene, extent, &trial, engine, seed, walks);
+        let averaging = Averaging::of(scene, extent, &trial, engine, seed, walks, &fibers);
         drop(trial);
         let refined = |configuration: Option<Configuration>| {
             let configuration = configuration.ok_or(NO_FINER_CELLS)?;
@@ -205,7 +210,6 @@ impl Budget {
             Ok(blocks) => Ok(&blocks[..]),
             Err(why) => Err(why.clone()),
         });
-        let fibers = blocks(&Trial::prepare(scene, extent, Configuration::usual_fibers(scene))?)?;
         Budget::new(&Evidence {
             configuration: base,
             base: &own,

@@ -192,8 +192,8 @@ impl Configuration {
     }
 }
 
-/// A number to three digits, without zeros behind.
-fn short(number: f64) -> String {
+/// A number to two decimals, without zeros behind.
+pub fn short(number: f64) -> String {
     let text = format!("{number:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
@@ -215,16 +215,18 @@ mod tests {
         assert_eq!(usual.name(), "carried 2R 1024d");
         let names = [
             usual.edged(4.0).name(),
-            usual.coned(0.0).name(),
+            usual.coned(2.0).name(),
             usual.placed(Placement::AtHit).tracked(Tracking::Tabulated).name(),
             usual.lit(Direct::Walks).directed(64).name(),
+            usual.hit_first(FirstHit::Medium).name(),
             Configuration::fibers(&voile, 256).name(),
         ];
         let expected = [
             "carried 4R 1024d",
-            "carried 2R 1024d cone 0",
+            "carried 2R 1024d cone 2",
             "tabulated at-hit 2R 1024d",
             "carried 2R 64d direct by walks",
+            "carried 2R 1024d first hit in the medium",
             "fibers 256w",
         ];
         assert_eq!(names, expected);

@@ -3,7 +3,7 @@
 use super::configuration::{Configuration, Extent};
 use crate::cloth::Realizer;
 use crate::error::Result;
-use crate::explicit::Explicit;
+use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
 use crate::measure::{Prepared, prepare};
 use crate::scene::{Medium, Scene};
@@ -97,11 +97,14 @@ impl Trial {
         self.drawing
     }
 
-    /// Memory in bytes of what light goes through: the tables of a medium, or one realization of the fibers, of which each
+    /// Memory in bytes of what light goes through: the tables of a medium and the rays that find first hits, or one realization of the fibers, of which each
     /// thread has one.
     pub fn bytes(&self) -> usize {
         match &self.body {
-            Body::Medium(prepared) => prepared.tables.bytes(),
+            Body::Medium(prepared) => {
+                let rays = prepared.first_hits.as_ref().map_or(0, |_| StraightRays::bytes(self.goniometer.starts()));
+                prepared.tables.bytes() + rays
+            }
             Body::Fibers(explicit) => explicit.bytes().iter().sum(),
         }
     }
@@ -121,36 +124,40 @@ impl Trial {
     /// # Errors
     /// Those of [`Walker::run`].
     pub fn block(&self, engine: &dyn Engine, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
-        // Realizations begin where blocks do.
-        let step = self.step();
-        let first = number * (OF_BLOCK / step * step) + made;
-        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-        let started = Instant::now();
-        let tally = match &self.body {
-            Body::Medium(prepared) => prepared.with(engine).run(&self.goniometer, &plan, &mut |_| {})?,
-            Body::Fibers(explicit) => explicit.run(&self.goniometer, &plan, &mut |_| {})?,
-        };
-        let seconds = started.elapsed().as_secs_f64();
-        tally.check(walks)?;
-        Ok(Block { tally, seconds })
+        match &self.body {
+            Body::Medium(prepared) => self.through(&prepared.with(engine), seed, number, made, walks),
+            Body::Fibers(explicit) => self.through(&**explicit, seed, number, made, walks),
+        }
     }
 
     /// Make `walks` walks of each start in each of the [`BLOCKS`] blocks, after the `made` that they have.
     ///
     /// # Errors
     /// Those of [`Trial::block`].
-    pub fn blocks(&self, engine: &(dyn Engine + Sync), seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
+    pub fn blocks(&self, engine: &dyn Engine, seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
         match &self.body {
             Body::Medium(_) => (0..BLOCKS).map(|number| self.block(engine, seed, number, made, walks)).collect(),
             // A block may have a single realization, which keeps one thread busy.
-            Body::Fibers(_) => {
+            Body::Fibers(explicit) => {
                 let started = Instant::now();
-                let one = |number| self.block(engine, seed, number, made, walks);
+                let one = |number| self.through(&**explicit, seed, number, made, walks);
                 let mut blocks: Vec<Block> = (0..BLOCKS).into_par_iter().map(one).collect::<Result<_>>()?;
                 let share = started.elapsed().as_secs_f64() / BLOCKS as f64;
                 blocks.iter_mut().for_each(|block| block.seconds = share);
                 Ok(blocks)
             }
         }
+    }
+
+    fn through(&self, walker: &dyn Walker, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
+        // Realizations begin where blocks do.
+        let step = self.step();
+        let first = number * (OF_BLOCK / step * step) + made;
+        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+        let started = Instant::now();
+        let tally = walker.run(&self.goniometer, &plan, &mut |_| {})?;
+        let seconds = started.elapsed().as_secs_f64();
+        tally.check(walks)?;
+        Ok(Block { tally, seconds })
     }
 }

@@ -10,6 +10,7 @@
 //! read and are no measurement: they know nothing of the walks, and a fiber's colour is that of a thick pile of its kind
 //! ([`pile`]).
 
+mod chart;
 mod colour;
 mod depth;
 mod draft;
@@ -22,6 +23,7 @@ mod sheet;
 mod text;
 mod view;
 
+pub use chart::{chart_findings, chart_page, chart_picture};
 pub use colour::pile;
 pub use depth::{Depth, Seen};
 pub use image::Image;

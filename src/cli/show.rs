@@ -59,7 +59,7 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
                 // A listed direction keeps the angles that it was given by.
                 let angles = match &scene.measure.incident {
                     Incident::List(angles) => angles[start % cells],
-                    Incident::Disc(_) => goniometer.angles(start),
+                    Incident::Cells(_) => goniometer.angles(start),
                 };
                 let [theta, phi] = angles.map(f64::to_degrees);
                 text += &row(format!("θ {theta:.1}°, φ {phi:.1}°"), &totals(tally, start, channel));

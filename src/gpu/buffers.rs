@@ -3,6 +3,7 @@
 use super::device::OpenDevice;
 use super::layout::{Counters, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
 use crate::error::Result;
+use crate::goniometer::MOST_RINGS;
 use crate::scene::MAX_CHANNELS;
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
@@ -12,6 +13,7 @@ pub struct Packed<'a> {
     pub cells: &'a [[u32; 4]],
     pub incident: &'a [[f32; 4]],
     pub absorption: &'a [[f32; 4]],
+    pub rings: &'a [[f32; 4]],
 }
 
 /// Which tables are textures, not uniform buffers.
@@ -55,6 +57,7 @@ impl Buffers {
         let traces = device.buffer("traces", (sizes.traces * size_of::<Trace>()) as u64, storage)?;
         let absorption = device.buffer("absorption", (MAX_CHANNELS * 16) as u64, uniform)?;
         let cells = device.buffer("cells_uniform", entries, uniform)?;
+        let rings = device.buffer("rings", (MOST_RINGS * 16) as u64, uniform)?;
         let mut views = Vec::new();
         let tables = [
             ("table_texture", packed.directions, in_texture.directions, &table),
@@ -68,6 +71,7 @@ impl Buffers {
         }
         device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
         device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
+        device.queue.write_buffer(&rings, 0, bytemuck::cast_slice(packed.rings));
         let resources = [
             params.as_entire_binding(),
             table.as_entire_binding(),
@@ -80,6 +84,7 @@ impl Buffers {
             absorption.as_entire_binding(),
             cells.as_entire_binding(),
             BindingResource::TextureView(&views[1]),
+            rings.as_entire_binding(),
         ];
         let group = bind(device, 0, resources);
         Ok(Buffers { group, params, lanes, bins, counters, traces })

@@ -21,7 +21,7 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             // A listed direction keeps the angles that it was given by.
             let [theta, phi] = match &scene.measure.incident {
                 Incident::List(angles) => angles[start % cells],
-                Incident::Disc(_) => goniometer.angles(start),
+                Incident::Cells(_) => goniometer.angles(start),
             };
             entry["theta_deg"] = json!(degrees(theta));
             entry["phi_deg"] = json!(degrees(phi));

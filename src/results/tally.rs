@@ -88,8 +88,8 @@ impl Stored {
         find: &dyn Fn(&str, &str) -> Option<Vec<u32>>,
     ) -> std::result::Result<Stored, String> {
         let Attribute { about, unit, counts, walks, straight } = attribute;
-        let (cells, exits) = (about.incident_cells(), (about.exit as usize).pow(2));
-        if !walks.is_sound() || about.sides.is_empty() || about.channels.is_empty() || cells == 0 || about.exit > 4096 {
+        let (cells, exits) = (about.incident_cells(), about.exit.cells());
+        if !walks.is_sound() || about.sides.is_empty() || about.channels.is_empty() || cells == 0 {
             return Err("attribute `fiberwalk` contradicts itself".into());
         }
         let weighed = unit > 1;
@@ -163,7 +163,7 @@ pub fn write_tally(file: &mut File, about: &About, tally: &Tally) -> io::Result<
     };
     // A JSON value has its keys sorted.
     let text = serde_json::to_value(attribute)?.to_string();
-    let size = (about.exit.pow(2) as usize, about.incident_cells());
+    let size = (about.exit.cells(), about.incident_cells());
     write_parts(file, size, parts(about, tally, &text))
 }
 

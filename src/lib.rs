@@ -23,6 +23,7 @@
 
 pub mod bsdf;
 pub mod cloth;
+pub mod colour;
 pub mod concentric;
 pub mod distribution;
 pub mod error;

@@ -9,11 +9,15 @@
 
 mod compare;
 mod estimate;
+mod halves;
 mod reciprocity;
 mod significance;
+mod table;
 mod totals;
 
 pub use compare::{CellDifference, Comparison, LEVEL, PooledDifference, compare};
 pub use estimate::{Component, Estimate, direct, mean_weight, noise, probability, share, values};
+pub use halves::{Halves, average_halves};
 pub use reciprocity::{Residual, reciprocity};
+pub use table::{Bsdf, Scattering};
 pub use totals::{Totals, hemispherical, totals};

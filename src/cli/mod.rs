@@ -5,6 +5,7 @@
 mod compare;
 mod curves;
 mod engines;
+mod export;
 mod inspect;
 mod measure;
 mod new;
@@ -32,6 +33,7 @@ enum Command {
     Compare(compare::Arguments),
     Curves(curves::Arguments),
     Engines(engines::Arguments),
+    Export(export::Arguments),
     New(new::Arguments),
 }
 
@@ -43,6 +45,7 @@ pub fn run() -> Result<()> {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Curves(arguments) => curves::run(&arguments),
         Command::Engines(arguments) => engines::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::about::About;
 use super::exr::{layer, write_parts};
+use crate::bsdf::Bsdf;
 use crate::error::{Error, Result};
 use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Straight, Tally, Weights};
 use exr::prelude::*;
@@ -51,6 +52,14 @@ impl Stored {
             return Err(Error::Input(format!("the tallies differ in `{key}`: only equal measurements can be merged")));
         }
         self.tally.merge(&other.tally)
+    }
+
+    /// The table of the tally.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the incident directions are none.
+    pub fn bsdf(&self) -> Result<Bsdf> {
+        Ok(Bsdf::new(&self.tally, &self.about.goniometer()?, &self.about.channels))
     }
 
     /// Read a `tally.exr`, or that of a result folder.

@@ -3,12 +3,12 @@
 use super::show::estimate_ratio;
 use super::{one_line, print};
 use clap::ValueEnum;
-use fiberwalk::Result;
 use fiberwalk::bsdf::{Bsdf, Component, LEVEL, average_halves, reciprocity};
 use fiberwalk::cloth::Cloth;
 use fiberwalk::export::{Check, Format};
 use fiberwalk::results::{ResultFolder, Stored, result_name};
 use fiberwalk::scene::{Scene, Side, Source, Structure};
+use fiberwalk::{Error, Result};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -64,9 +64,17 @@ impl Choice {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let stored = Stored::read(&arguments.dir)?;
     let mut table = stored.bsdf()?;
-    let mut formats = arguments.to.clone();
-    formats.dedup();
-    let formats: Vec<Format> = formats.into_iter().map(Choice::format).collect();
+    let mut formats: Vec<Format> = Vec::new();
+    for format in arguments.to.iter().map(|choice| choice.format()) {
+        if !formats.contains(&format) {
+            formats.push(format);
+        }
+    }
+    let folder = arguments.dir.join("export");
+    if folder.symlink_metadata().is_ok() && !folder.is_dir() {
+        let message = format!("{} is not a folder: files go there, so move it away", folder.display());
+        return Err(Error::Input(message));
+    }
     // Say what is lost before anything is written.
     for format in &formats {
         for note in format.notes(&table)? {
@@ -77,7 +85,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.reciprocal {
         text += &average(&stored, &mut table)?;
     }
-    let folder = arguments.dir.join("export");
     let stem = stem(&arguments.dir);
     let title = result_name(&arguments.dir).unwrap_or_else(|| stem.clone());
     let thickness = thickness(&stored.about.cloth);

@@ -1,7 +1,7 @@
 //! The half vector as a place of the unit square, for one direction of wi.
 
 use super::warp::Warp;
-use crate::goniometer::{Basis, DiscBasis};
+use crate::goniometer::DiscBasis;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -55,17 +55,17 @@ impl Half {
         density.iter().map(|value| if floor > 0.0 { (value + floor) as f32 } else { 1.0 }).collect()
     }
 
-    /// ∫ S dωo of stored values S = f cos θo of n × n nodes, as a loader reads them.
-    pub fn light(&self, warp: &Warp, stored: &[f64], n: usize, places: u32) -> f64 {
+    /// Where a loader reads the values of `places` × `places` directions wo that are even over the projected disc, and what each weighs in
+    /// ∫ S dωo of stored values S = f cos θo.
+    pub fn reads(&self, warp: &Warp, places: u32) -> Vec<([f64; 2], f64)> {
         let disc = DiscBasis { n: places };
         let blend = [(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
         let at = |cell: usize| {
-            let wo = Basis::Disc(disc).direction(cell, DVec2::splat(0.5));
-            let m = (self.wi + wo).normalize();
-            let (sample, _) = warp.invert(&blend, place(m));
-            bilinear(n, sample, &|index| stored[index]) / wo.z
+            let wo = disc.direction(cell, DVec2::splat(0.5));
+            let (sample, _) = warp.invert(&blend, place((self.wi + wo).normalize()));
+            (sample, disc.projected_solid_angle() / wo.z)
         };
-        (0..disc.cells()).map(at).sum::<f64>() * disc.projected_solid_angle()
+        (0..disc.cells()).map(at).collect()
     }
 }
 

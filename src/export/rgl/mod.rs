@@ -15,7 +15,7 @@ use crate::bsdf::{Bsdf, Component, Scattering};
 use crate::colour::{Channels, between};
 use crate::goniometer::Basis;
 use glam::{DVec2, DVec3};
-use half::Half;
+use half::{Half, bilinear};
 use loaded::Loader;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -23,10 +23,10 @@ use tensor::Field;
 
 /// Nodes of wi along θ, and along φ with both ends of the turn.
 const THETAS: usize = 13;
-const PHIS: usize = 17;
+const PHIS: usize = 33;
 /// Nodes along an edge of the change of variables, and of the values.
-const WARP: usize = 128;
-const VALUES: usize = 64;
+const WARP: usize = 96;
+const VALUES: usize = 48;
 /// Places along an edge of the disc of wo at which the light of a node is summed.
 const PLACES: u32 = 48;
 /// Wavelengths in nm beyond which no renderer asks.
@@ -286,11 +286,13 @@ impl Slice {
         });
         let exits: Vec<DVec3> = places.collect();
         let f = |row: &SmoothRow, wo: &DVec3| if wo.z > 0.0 { row.at(wo.truncate()).max(0.0) } else { 0.0 };
+        let reads = half.reads(&warp, PLACES);
         let mut table: Vec<f32> = Vec::with_capacity(rows.len() * VALUES * VALUES);
         for (row, light) in rows.iter().zip(light) {
             let stored: Vec<f64> = exits.iter().map(|wo| f(row, wo) * wo.z.max(0.0)).collect();
             // Sum the light of this node as a loader sees it, and scale it to that of the table.
-            let seen = half.light(&warp, &stored, VALUES, PLACES);
+            let read = |(sample, weight): &([f64; 2], f64)| weight * bilinear(VALUES, *sample, &|index| stored[index]);
+            let seen: f64 = reads.iter().map(read).sum();
             let factor = if seen > 0.0 { light.max(0.0) / seen } else { 1.0 };
             table.extend(stored.iter().map(|value| (value * factor) as f32));
         }

@@ -18,7 +18,7 @@
 //! # Floors
 //! Data flows down once: [`scene`] → [`cloth`], of yarns → [`distribution`] → [`tables`], [`goniometer`] → an engine
 //! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, and [`export`] writes the
-//! fibers of a cloth for other programs. No module imports one from a later floor,
+//! table, and the fibers of a cloth, for other programs; [`colour`] serves all. No module imports one from a later floor,
 //! and the engines do not know of each other.
 
 pub mod bsdf;

@@ -13,13 +13,11 @@ pub const COMPONENTS: [Component; 2] = [Component::Reflection, Component::Transm
 const WALKS: u64 = 1 << 40;
 const UNIT: u64 = fiberwalk::goniometer::WEIGHT;
 
+/// Shares of light in red, green and blue that go from an incident cell of a side into an exit cell of a component.
+type Light<'a> = &'a dyn Fn(&Goniometer, Side, Component, usize, usize) -> [f64; 3];
+
 /// A table of red, green and blue whose share of light from cell to cell is `light`, with `direct` light.
-pub fn table(
-    incident: BasisChoice,
-    exit: BasisChoice,
-    light: &dyn Fn(&Goniometer, Side, Component, usize, usize) -> [f64; 3],
-    direct: &dyn Fn(usize) -> f64,
-) -> Bsdf {
+pub fn table(incident: BasisChoice, exit: BasisChoice, light: Light, direct: &dyn Fn(usize) -> f64) -> Bsdf {
     let goniometer =
         Goniometer { incidence: Incidence::Cells(Basis::new(incident)), exit: Basis::new(exit), sides: SIDES.to_vec() };
     let origin = Origin { seed: 1, engine: "cpu".into(), adapter: "made".into() };

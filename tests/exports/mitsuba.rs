@@ -157,7 +157,8 @@ fn the_plugin_has_the_table_samples_its_density_and_loses_no_light() {
     let openness = number(&found["furnace"]["openness"]);
     let direct = number(&summary["sides"]["front"]["hemispherical"]["direct"]["Y"]["value"]);
     assert!((openness - direct).abs() < 0.01 && direct > 0.01, "{openness} for {direct}");
-    assert!(number(&found["furnace"]["plain"][0]) < 1.0 - 0.5 * openness);
+    let lost = 1.0 - number(&found["furnace"]["plain"][0]);
+    assert!(lost > 10.0 * error, "without the mask {lost} of the light is missing");
     // The same numbers one by one, in a variant without a compiler.
     let scalar = ask("scalar_rgb", &["scalar"]);
     let lists = |value: &Value| -> Vec<Vec<f64>> { serde_json::from_value(value["scalar"].clone()).expect("lists") };

@@ -33,7 +33,7 @@ pub fn radiance(name: &str) -> PathBuf {
     let lib = root().join("target/venv/lib");
     let versions =
         std::fs::read_dir(&lib).unwrap_or_else(|error| panic!("{}: {error}: run tools/setup.sh", lib.display()));
-    let places =
+    let mut places =
         versions.filter_map(|version| Some(version.ok()?.path().join("site-packages/pyradiance/bin").join(name)));
-    places.filter(|path| path.is_file()).next().unwrap_or_else(|| panic!("no {name} of pyradiance: run tools/setup.sh"))
+    places.find(|path| path.is_file()).unwrap_or_else(|| panic!("no {name} of pyradiance: run tools/setup.sh"))
 }

@@ -155,7 +155,7 @@ fn check_bsdf(file: &Path) -> (Vec<f64>, Vec<f64>) {
     let number = |text: &str| text.trim().trim_end_matches('%').trim().parse::<f64>().expect("a number");
     let total = |name: &str| {
         let line = totals.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("no {name} in {text}"));
-        number(line.split('\t').filter(|part| part.contains('%')).next_back().expect("a total"))
+        number(line.split('\t').rfind(|part| part.contains('%')).expect("a total"))
     };
     let error = |name: &str| {
         let line =

@@ -79,11 +79,12 @@ pub fn fit(table: &Bsdf, part: &Scattering, from: &Basis, incident: &Basis, exit
         let (mut f, mut stderr) = (Vec::new(), Vec::new());
         for parts in &rows.parts {
             let weights = weights(parts, from);
-            for bin in 0..exit.cells() {
-                let mean = |k: usize| weights.iter().map(|(cell, weight)| weight * light[*cell][bin][k]).sum::<f64>();
-                f.push(mean(0) / exit.projected_solid_angle(bin));
-                stderr.push(mean(1) / exit.projected_solid_angle(bin));
-            }
+            let mean = |bin: usize, k: usize| -> f64 {
+                let sum: f64 = weights.iter().map(|(cell, weight)| weight * light[*cell][bin][k]).sum();
+                sum / exit.projected_solid_angle(bin)
+            };
+            f.extend((0..exit.cells()).map(|bin| mean(bin, 0)));
+            stderr.extend((0..exit.cells()).map(|bin| mean(bin, 1)));
         }
         Fitted { f, stderr }
     };

@@ -88,7 +88,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let stem = stem(&arguments.dir);
     let title = result_name(&arguments.dir).unwrap_or_else(|| stem.clone());
     let thickness = thickness(&stored.about.cloth);
+    print(&text)?;
     for format in formats {
+        let mut text = String::new();
         let written = format.write(&table, &title, &stem, thickness)?;
         for file in &written.files {
             let path = ResultFolder::add(&folder, &file.name, |out| out.write_all(&file.bytes))?;
@@ -97,8 +99,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 let _ = writeln!(text, "  {}", told(check));
             }
         }
+        // Tell of every format as it comes: some take a minute.
+        print(&text)?;
     }
-    print(&text)
+    Ok(())
 }
 
 /// How far a file is from the table.

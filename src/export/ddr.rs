@@ -3,7 +3,7 @@
 //! Source: KimuraRyo/libbsdf, `DdrReader.cpp`, `DdrWriter.cpp`, `SpecularCoordinateSystem.h`. The angles of wo are those about the mirror
 //! direction, of transmitted light about the undeflected one; stored is f·π, and `kbdf` scales each direction of wi.
 
-use super::fit::{Grid, Loaded, Smooth, check, steps};
+use super::fit::{Grid, Loaded, Smooth, check, steps, sum};
 use super::format::{File, Job, Written};
 use crate::bsdf::{Component, Scattering};
 use crate::colour::Channels;
@@ -124,6 +124,7 @@ impl Loaded for Sheets {
     }
 
     fn f(&self, _: Side, _: Component, wi: DVec2, wo: DVec2) -> Vec<f64> {
-        self.channels.iter().map(|rows| self.grid.at(rows, wi, wo)).collect()
+        let reads = self.grid.reads(wi, wo);
+        self.channels.iter().map(|rows| sum(rows, &reads)).collect()
     }
 }

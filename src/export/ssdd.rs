@@ -3,7 +3,7 @@
 //! Source: KimuraRyo/libbsdf, `doc/SsddFileFormatSpecification.md`. Angles of wi and wo are polar ones from the lit and from the far side's normal,
 //! and azimuths from +x as seen from the front.
 
-use super::fit::{Grid, Loaded, Smooth, check, near, steps};
+use super::fit::{Grid, Loaded, Smooth, check, near, steps, sum};
 use super::format::{File, Job, Written};
 use crate::bsdf::Component;
 use crate::colour::Channels;
@@ -135,6 +135,7 @@ impl Loaded for Blocks {
     }
 
     fn f(&self, _: Side, component: Component, wi: DVec2, wo: DVec2) -> Vec<f64> {
-        self.parts[component as usize].iter().map(|rows| self.grid.at(rows, wi, wo)).collect()
+        let reads = self.grid.reads(wi, wo);
+        self.parts[component as usize].iter().map(|rows| sum(rows, &reads)).collect()
     }
 }

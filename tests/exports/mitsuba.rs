@@ -96,7 +96,7 @@ fn lossless(place: &Place) -> Value {
         "--sides",
         "front,back",
         "--walks",
-        "20000",
+        "6000",
         "--engine",
         "cpu",
         "--seed",

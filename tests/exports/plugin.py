@@ -1,7 +1,7 @@
 """Hold the plugin of assets/mitsuba against a `bsdf.exr`: input {"file", "variant", "tasks"}, output by task.
 
 eval: largest difference of eval from the table in the middles of cells, relative to the largest f, and how many cells were looked at.
-scalar: the largest difference from another variant is seen by giving the same seeds: values and samples of a few pairs.
+scalar: values, densities and samples of a few pairs of directions, to be held against those of another variant.
 chi2: p-values of Mitsuba's test for several wi, and that of samples for one wi against the density for another.
 furnace: mean pixel, with its standard error, of a picture of a lossless cloth under an even sky of radiance 1; and without its mask; weights of samples.
 """

@@ -127,24 +127,34 @@ impl Grid {
         values.iter().map(|value| value * factor).collect()
     }
 
-    /// f of a row at wo.
-    fn at_exit(&self, row: &[f64], start: [f64; 2], wo: DVec3) -> f64 {
+    /// The nodes of wo around a direction, with their shares.
+    fn around_exit(&self, start: [f64; 2], wo: DVec3) -> impl Iterator<Item = (usize, f64)> + use<> {
         let [theta, phi] = self.out(start, wo);
         let polar = self.axes[2].len();
-        let around = between(&self.axes[3], phi).into_iter().flat_map(|(azimuth, a)| {
-            between(&self.axes[2], theta).into_iter().map(move |(index, b)| (azimuth * polar + index, a * b))
-        });
-        around.map(|(index, share)| if share > 0.0 { share * row[index] } else { 0.0 }).sum()
+        let thetas = between(&self.axes[2], theta);
+        between(&self.axes[3], phi).into_iter().flat_map(move |(azimuth, a)| {
+            thetas.clone().into_iter().map(move |(index, b)| (azimuth * polar + index, a * b))
+        })
     }
 
-    /// f of rows, one for each node of wi, at two projections: linear in all four angles.
-    pub fn at(&self, rows: &[Vec<f64>], wi: DVec2, wo: DVec2) -> f64 {
+    /// f of a row at wo.
+    fn at_exit(&self, row: &[f64], start: [f64; 2], wo: DVec3) -> f64 {
+        self.around_exit(start, wo).map(|(index, share)| share * row[index]).sum()
+    }
+
+    /// The nodes of wi and of wo around two projections, with their shares: linear in all four angles.
+    pub fn reads(&self, wi: DVec2, wo: DVec2) -> Vec<(usize, usize, f64)> {
         let start = angles(lifted(wi));
         // Angles about the mirror direction are those of wi itself, not of the nodes.
-        self.around(start)
-            .map(|(index, share)| if share > 0.0 { share * self.at_exit(&rows[index], start, lifted(wo)) } else { 0.0 })
-            .sum()
+        let exits: Vec<(usize, f64)> = self.around_exit(start, lifted(wo)).collect();
+        let pairs = self.around(start).flat_map(|(row, a)| exits.iter().map(move |(node, b)| (row, *node, a * b)));
+        pairs.collect()
     }
+}
+
+/// f of rows, one for each node of wi, as [`Grid::reads`] says.
+pub fn sum(rows: &[Vec<f64>], reads: &[(usize, usize, f64)]) -> f64 {
+    reads.iter().map(|(row, node, share)| share * rows[*row][*node]).sum()
 }
 
 #[cfg(test)]
@@ -187,7 +197,7 @@ mod tests {
             let mean = |quarter: [f64; 2]| -> f64 {
                 let cells = (0..disc.cells()).map(|cell| Basis::Disc(disc).centre(cell).truncate());
                 let inside = cells.filter(|wo| wo.x * quarter[0] > 0.0 && wo.y * quarter[1] > 0.0);
-                inside.map(|wo| grid.at(&rows, wi, wo)).sum::<f64>() * disc.projected_solid_angle()
+                inside.map(|wo| sum(&rows, &grid.reads(wi, wo))).sum::<f64>() * disc.projected_solid_angle()
             };
             let all = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(mean);
             assert!((all.iter().sum::<f64>() - std::f64::consts::FRAC_PI_4).abs() < 0.01, "{all:?}");

@@ -8,6 +8,6 @@ mod smooth;
 
 pub use balance::balance;
 pub use check::{Check, Loaded, Sums, check};
-pub use grid::{Grid, steps};
+pub use grid::{Grid, steps, sum};
 pub use overlap::{Fitted, fit, fit_direct};
 pub use smooth::{Smooth, SmoothRow, near};

@@ -62,7 +62,17 @@ pub struct SmoothRow<'a> {
 impl SmoothRow<'_> {
     /// f at the projection (x, y) of wo, in sr⁻¹.
     pub fn at(&self, wo: DVec2) -> f64 {
-        near(self.exit, wo).into_iter().map(|(cell, share)| share * self.f[cell]).sum()
+        self.sum(&near(self.exit, wo))
+    }
+
+    /// f of cells with shares, as [`near`] gives them.
+    pub fn sum(&self, near: &[(usize, f64)]) -> f64 {
+        near.iter().map(|(cell, share)| share * self.f[*cell]).sum()
+    }
+
+    /// The exit cells.
+    pub fn exit(&self) -> &Basis {
+        self.exit
     }
 
     /// Σ f Ω over the cells: the share of the light.

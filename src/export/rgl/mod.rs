@@ -9,7 +9,7 @@ mod loaded;
 mod tensor;
 mod warp;
 
-use super::fit::{Smooth, SmoothRow, balance, check};
+use super::fit::{Smooth, SmoothRow, balance, check, near};
 use super::format::{File, Job, Written};
 use crate::bsdf::{Bsdf, Component, Scattering};
 use crate::colour::{Channels, between};
@@ -284,12 +284,17 @@ impl Slice {
             let (place, _) = warp.sample(&blend, [node(i % VALUES), node(i / VALUES)]);
             half.exit(place)
         });
-        let exits: Vec<DVec3> = places.collect();
-        let f = |row: &SmoothRow, wo: &DVec3| if wo.z > 0.0 { row.at(wo.truncate()).max(0.0) } else { 0.0 };
+        // The directions that are above the horizon, with the exit cells around them.
+        let above = |wo: DVec3| match rows.first() {
+            Some(row) if wo.z > 0.0 => (wo.z, near(row.exit(), wo.truncate())),
+            _ => (0.0, Vec::new()),
+        };
+        let exits: Vec<(f64, Vec<(usize, f64)>)> = places.map(above).collect();
+        let f = |row: &SmoothRow, near: &[(usize, f64)]| row.sum(near).max(0.0);
         let reads = half.reads(&warp, PLACES);
         let mut table: Vec<f32> = Vec::with_capacity(rows.len() * VALUES * VALUES);
         for (row, light) in rows.iter().zip(light) {
-            let stored: Vec<f64> = exits.iter().map(|wo| f(row, wo) * wo.z.max(0.0)).collect();
+            let stored: Vec<f64> = exits.iter().map(|(cosine, near)| f(row, near) * cosine).collect();
             // Sum the light of this node as a loader sees it, and scale it to that of the table.
             let read = |(sample, weight): &([f64; 2], f64)| weight * bilinear(VALUES, *sample, &|index| stored[index]);
             let seen: f64 = reads.iter().map(read).sum();
@@ -297,8 +302,8 @@ impl Slice {
             table.extend(stored.iter().map(|value| (value * factor) as f32));
         }
         let bright =
-            |wo: &DVec3| rows.iter().zip(&values.luminance).map(|(row, y)| y * f(row, wo)).sum::<f64>().max(0.0);
-        let mut luminance: Vec<f32> = exits.iter().map(|wo| bright(wo) as f32).collect();
+            |near: &[(usize, f64)]| rows.iter().zip(&values.luminance).map(|(row, y)| y * f(row, near)).sum::<f64>();
+        let mut luminance: Vec<f32> = exits.iter().map(|(_, near)| bright(near).max(0.0) as f32).collect();
         // Sampling needs some density everywhere, however dark it is.
         let floor = 1e-3 * luminance.iter().sum::<f32>() / luminance.len() as f32;
         luminance.iter_mut().for_each(|value| *value = if floor > 0.0 { value.max(floor) } else { 1.0 });

@@ -85,10 +85,11 @@ pub struct Arguments {
     /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 2]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     cone: Option<String>,
-    /// Incident directions: N of the disc basis, or a list such as "[[30, 0], [60, 0]]" (theta, phi in degrees)
+    /// Incident directions: N of the disc basis, klems, polar:18x36 (rings × sectors), or a list such as
+    /// "[[30, 0], [60, 0]]" (theta, phi in degrees)
     #[arg(long, value_name = "BASIS", allow_hyphen_values = true)]
     incident: Option<String>,
-    /// Exit cells: N of the disc basis
+    /// Exit cells: N of the disc basis, klems or polar:18x36 (rings × sectors)
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     exit: Option<String>,
     /// Lit sides: front, back or front,back

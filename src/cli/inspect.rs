@@ -5,7 +5,8 @@ mod yarns;
 
 use super::{one_line, print};
 use fiberwalk::cloth::{FiberGrid, Realizer};
-use fiberwalk::measure::{Prepared, memory, prepare};
+use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
+use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
 use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
@@ -25,6 +26,9 @@ pub struct Arguments {
     /// Width of the picture of a weave or a knit in pixels [default: 1600]
     #[arg(long, value_name = "PIXELS", value_parser = width, allow_negative_numbers = true)]
     width: Option<usize>,
+    /// Tolerance for which the plan is shown [default: 5%]
+    #[arg(long, value_name = "SHARE", value_parser = super::measure::share, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
 }
 
 fn width(text: &str) -> std::result::Result<usize, String> {
@@ -42,13 +46,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Error::Input(message.into()));
     }
     let prepared = prepare(&scene)?;
+    let plan = planned(&scene, arguments.tolerance.unwrap_or(0.05))?;
     if let Some(cloth) = &prepared.cloth {
         let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
-        return woven::run(&scene, cloth, &prepared, &folder, arguments.width.unwrap_or(1600));
+        return woven::run(&scene, cloth, &prepared, &plan, &folder, arguments.width.unwrap_or(1600));
     }
     let sheet = scene.sheet()?;
     let tables = format!("memory           tables {}\n", beside_fibers(&scene, &prepared)?);
-    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&prepared)))
+    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&prepared) + &plan))
+}
+
+/// What `measure` would choose for a tolerance, and why; pilots are walked, the run is not. Nothing where the file says how the cloth
+/// is to be modelled.
+fn planned(scene: &Scene, tolerance: f64) -> Result<String> {
+    if scene.model.chosen {
+        return Ok("plan             none: the file says how the cloth is modelled\n".into());
+    }
+    let engine = choose(EngineChoice::Auto, None)?;
+    let extent = Extent::of(scene)?;
+    let (plan, _) = plan(scene, &extent, tolerance, (&engine, EngineClass::of(&engine)), 1, true)?;
+    Ok(format!(
+        "plan             for a tolerance of {:.3} %: {}; {}\n",
+        100.0 * tolerance,
+        one_line(&plan.chosen),
+        plan.reason
+    ))
 }
 
 /// The cloth as the file says it.

@@ -51,6 +51,9 @@ pub struct Arguments {
     /// Replace an existing result
     #[arg(long)]
     force: bool,
+    /// Walk through the fibers themselves as well, and through finer media, and say where the error of the model comes from
+    #[arg(long)]
+    budget: bool,
     /// No notes and no progress, only results and errors
     #[arg(long)]
     quiet: bool,
@@ -151,6 +154,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Medium::Explicit => arguments.through_fibers(&scene, &source, ready.stop, started)?,
     };
     measurement.plan = plan.map(|plan| plan.summary());
+    let mut budget = String::new();
+    if arguments.budget {
+        budget = arguments.add_budget(&scene, &mut measurement)?;
+    }
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
@@ -163,6 +170,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         totals_table(&scene, &measurement),
         clustering,
         against.unwrap_or_default(),
+        budget,
         reciprocity_lines(&scene, &measurement),
         speed(&measurement),
     ];

@@ -3,6 +3,7 @@
 use fiberwalk::bsdf::{Component, Estimate, Residual, Totals, hemispherical, reciprocity, totals};
 use fiberwalk::goniometer::Incidence;
 use fiberwalk::measure::Measurement;
+use fiberwalk::plan::Budget;
 use fiberwalk::scene::{Incident, Medium, Model, Placement, Scene, Side};
 use std::fmt::Write;
 
@@ -80,6 +81,22 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
     let lost: u64 = (0..tally.starts()).map(|start| tally.lost(start)).sum();
     if lost > 0 {
         let _ = writeln!(text, "lost: {} were given up; the shares above leave them out", walks(lost));
+    }
+    text
+}
+
+/// Where the error of a model comes from, part by part.
+pub fn budget_lines(budget: &Budget) -> String {
+    let mut text = format!("error budget of {}, E in % of the scattered light\n", budget.configuration);
+    for part in &budget.parts {
+        let name = part.part.name();
+        let _ = match (&part.size, &part.missing) {
+            (Some(size), _) => {
+                let (value, error) = (100.0 * size.value, 100.0 * size.stderr);
+                writeln!(text, "  {name:<11} {value:5.2} ± {error:.2}  {}", part.change)
+            }
+            (None, why) => writeln!(text, "  {name:<11} not measured: {}", why.as_deref().unwrap_or_default()),
+        };
     }
     text
 }

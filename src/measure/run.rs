@@ -60,6 +60,8 @@ pub struct Measurement {
     pub against: Option<AgainstFibers>,
     /// How the model was chosen, if a planner did.
     pub plan: Option<serde_json::Value>,
+    /// Where the error of the model comes from, if that was measured.
+    pub budget: Option<serde_json::Value>,
 }
 
 /// The medium and the instrument of a scene.
@@ -246,7 +248,15 @@ pub fn run(
         walk: begun.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None, against: None, plan: None })
+    Ok(Measurement {
+        goniometer: goniometer.clone(),
+        tally,
+        seconds,
+        clustering: None,
+        against: None,
+        plan: None,
+        budget: None,
+    })
 }
 
 /// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.

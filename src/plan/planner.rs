@@ -204,7 +204,7 @@ impl Planner<'_> {
     /// The usual medium, with what is known of other cloths.
     fn unpiloted(&self) -> Plan {
         let configuration = Configuration::of(self.scene, self.extent);
-        let Belief { error, spread } = self.expected(&configuration);
+        let Belief { error, spread, .. } = self.expected(&configuration);
         let left = self.tolerance.powi(2) - (error + spread).powi(2);
         let model_error = Estimate { value: error, stderr: spread };
         Plan {
@@ -260,13 +260,13 @@ impl Planner<'_> {
     /// E that is expected of a configuration.
     fn expected(&self, configuration: &Configuration) -> Belief {
         if configuration.model.medium == Medium::Explicit {
-            return Belief { error: 0.0, spread: 0.0 };
+            return Belief { error: 0.0, spread: 0.0, spun: false };
         }
         match (&self.scene.structure, configuration.model.placement) {
             // Hits are off by about the volume fraction, lobes by half of that.
             (Structure::Sheet(sheet), Placement::AtHit) => self.at_hit.unwrap_or_else(|| {
                 let fraction = sheet.volume_fraction(&self.scene.fibers);
-                Belief { error: fraction / 2.0, spread: fraction / 4.0 }
+                Belief { error: fraction / 2.0, spread: fraction / 4.0, spun: false }
             }),
             _ => self.belief.at(configuration.edge.unwrap_or(2.0)),
         }
@@ -274,7 +274,7 @@ impl Planner<'_> {
 
     /// What is to be expected of a configuration.
     fn judge(&self, configuration: &Configuration, pilot: &Pilot, tried: &[String]) -> Candidate {
-        let Belief { error, spread } = self.expected(configuration);
+        let Belief { error, spread, .. } = self.expected(configuration);
         // Leave room for what the model's error may be more than expected.
         let left = self.tolerance.powi(2) - (error + spread).powi(2);
         let noise = (left > 0.0).then(|| left.sqrt());

@@ -1,6 +1,6 @@
 //! A chart in words.
 
-use super::super::show::grouped;
+use super::super::show::{budget_lines, grouped};
 use fiberwalk::plan::chart::{Chart, Engines, Store};
 use fiberwalk::report::chart_findings;
 use fiberwalk::scene::{Scene, Source};
@@ -24,17 +24,7 @@ pub fn notes(source: &Source, scene: &Scene, engines: &Engines, store: &Store, t
 
 /// The error budget, the front, and where the files are.
 pub fn findings(chart: &Chart) -> String {
-    let mut text = format!("error budget of {}, E in % of the scattered light\n", chart.budget.configuration);
-    for part in &chart.budget.parts {
-        let name = part.part.name();
-        let _ = match (&part.size, &part.missing) {
-            (Some(size), _) => {
-                let (value, error) = (100.0 * size.value, 100.0 * size.stderr);
-                writeln!(text, "  {name:<11} {value:5.2} ± {error:.2}  {}", part.change)
-            }
-            (None, why) => writeln!(text, "  {name:<11} not measured: {}", why.as_deref().unwrap_or_default()),
-        };
-    }
+    let mut text = budget_lines(&chart.budget);
     let _ =
         writeln!(text, "no faster way is as accurate ({} s in all, with preparation)", grouped(chart.spent_s as u64));
     let _ = writeln!(text, "  {:>9}  {:>7}  {:<4}  {:>9}  configuration", "seconds", "error %", "on", "walks");

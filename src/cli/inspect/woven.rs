@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Draw the cloth into a folder, and say what the cloth is and where its picture lies.
-pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, folder: &Path, width: usize) -> Result<()> {
+pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, plan: &str, folder: &Path, width: usize) -> Result<()> {
     let figures = cloth.statistics();
     let picture = cloth_picture(cloth, scene, width);
     let name = if cloth.knit().is_some() { "knit.png" } else { "weave.png" };
@@ -29,6 +29,7 @@ pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, folder: &Path, wid
         sizes(&figures),
         medium(scene, prepared)?,
         results(prepared),
+        plan.to_owned(),
         format!("{}\n", file.display()),
     ];
     print(&blocks.concat())

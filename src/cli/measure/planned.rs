@@ -1,11 +1,15 @@
 //! The model that a planner chooses.
 
 use super::super::one_line;
+use super::super::show::budget_lines;
 use super::{Arguments, Choice};
 use fiberwalk::Result;
-use fiberwalk::measure::{ChosenEngine, Prepared, Stop};
-use fiberwalk::plan::{EngineClass, Extent, Plan, plan};
-use fiberwalk::scene::Scene;
+use fiberwalk::measure::{ChosenEngine, Measurement, Prepared, Stop};
+use fiberwalk::plan::{Budget, Configuration, EngineClass, Extent, Plan, plan};
+use fiberwalk::scene::{Medium, Scene};
+
+/// Walks of all directions in each of the blocks of a budget.
+const OF_BUDGET: u64 = 1 << 17;
 
 /// What is ready before the run.
 pub struct Ready {
@@ -41,5 +45,19 @@ impl Arguments {
             plan.lines().iter().for_each(|line| eprintln!("{}", one_line(line)));
         }
         Ok(Ready { stop: Stop::Tolerance(plan.noise), plan: Some(plan), prepared, engine: Some(engine) })
+    }
+
+    /// Measure where the error of the model comes from, add it to the measurement, and tell it.
+    pub fn add_budget(&self, scene: &Scene, measurement: &mut Measurement) -> Result<String> {
+        if scene.model.medium == Medium::Explicit {
+            return Ok("error budget: the fibers themselves have no error but noise\n".into());
+        }
+        let engine = self.choose_engine()?;
+        let extent = Extent::of(scene)?;
+        let walks = (OF_BUDGET / measurement.goniometer.starts() as u64).max(16);
+        let base = Configuration::of(scene, &extent);
+        let budget = Budget::measure(scene, &extent, base, &engine, self.seed, walks)?;
+        measurement.budget = Some(serde_json::json!(budget));
+        Ok(budget_lines(&budget))
     }
 }

@@ -11,7 +11,7 @@ mod weaves;
 
 use fiberwalk::concentric::Patch;
 use fiberwalk::distribution::DirectionGrid;
-use fiberwalk::goniometer::{DiscBasis, Goniometer, Incidence, Tally};
+use fiberwalk::goniometer::{Basis, DiscBasis, Goniometer, Incidence, Tally};
 use fiberwalk::gpu::{Gpu, Settings};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::{Placement, Side};
@@ -188,11 +188,11 @@ fn run(case: &Case) -> (f64, Tally) {
     let tables = &case.tables;
     let disc = DiscBasis { n: 8 };
     let incidence = if case.disc {
-        Incidence::Disc(disc)
+        Incidence::Cells(Basis::Disc(disc))
     } else {
         Incidence::Listed((0..disc.cells()).map(|cell| disc.direction(cell, DVec2::splat(0.5))).collect())
     };
-    let goniometer = Goniometer { incidence, exit: DiscBasis { n: 16 }, sides: vec![Side::Front] };
+    let goniometer = Goniometer { incidence, exit: Basis::Disc(DiscBasis { n: 16 }), sides: vec![Side::Front] };
     let cells = goniometer.incident_cells() as u64;
     let plan = WalkPlan { jitter: case.jitter, ..WalkPlan::new(1, case.walks / cells) };
     let started = Instant::now();

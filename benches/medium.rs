@@ -1,5 +1,5 @@
-//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate]`, all presets
-//! and both packings without words.
+//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate] [short]`, all
+//! presets and both packings without words; `short` leaves all rows out but those of the default and of the finest medium.
 //!
 //! For each preset and packing, walks through the fibers themselves are the reference; their row has the shares of light by
 //! direction. A row of the medium has one placement and one edge of the cells: by how many percent R and T (of the first
@@ -46,7 +46,7 @@ fn main() -> Result<()> {
     for (name, _) in PRESETS.into_iter().filter(|(name, _)| !any || named(name)) {
         for (word, packing) in [("random", Packing::Random), ("separate", Packing::Separate)] {
             if named(word) || !(named("random") || named("separate")) {
-                if let Err(error) = study(name, word, packing) {
+                if let Err(error) = study(name, word, packing, named("short")) {
                     println!("| {name} | {word} | {error} |||||||");
                 }
             }
@@ -56,7 +56,7 @@ fn main() -> Result<()> {
 }
 
 /// All rows of a preset and packing.
-fn study(name: &str, word: &str, packing: Packing) -> Result<()> {
+fn study(name: &str, word: &str, packing: Packing, short: bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
@@ -70,7 +70,9 @@ fn study(name: &str, word: &str, packing: Packing) -> Result<()> {
     let seconds = started.elapsed().as_secs_f64();
     println!("{}", fiber_row(&label, &reference, &trial, seconds)?);
     let usual = Configuration::of(&scene, &extent);
-    for configuration in configurations(usual, matches!(scene.structure, Structure::Sheet(_))) {
+    let all = configurations(usual, matches!(scene.structure, Structure::Sheet(_)));
+    let skipped = if short { all.len().saturating_sub(2) } else { 0 };
+    for configuration in all.into_iter().skip(skipped) {
         match row(&scene, &extent, configuration, &reference) {
             Ok(line) => println!("{label} | {} {line}", configuration.name()),
             Err(error) => println!("{label} | {} | {error} ||||||", configuration.name()),

@@ -6,14 +6,14 @@
 use fiberwalk::bsdf::{Component, Estimate, LEVEL, Residual, Totals, compare, reciprocity, totals};
 use fiberwalk::goniometer::Tally;
 use fiberwalk::measure::{ChosenEngine, EngineChoice, Prepared, Stop, choose, prepare, run};
-use fiberwalk::scene::{Incident, PRESETS, Scene, Side, Source};
+use fiberwalk::scene::{BasisChoice, Incident, PRESETS, Scene, Side, Source};
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// N of the incident basis and of the exit basis, and walks of each incident cell.
-const INCIDENT: u32 = 4;
-const EXIT: u32 = 4;
+/// The incident basis and the exit basis, and walks of each incident cell.
+const INCIDENT: BasisChoice = BasisChoice::Disc(4);
+const EXIT: BasisChoice = BasisChoice::Disc(4);
 const WALKS: u64 = 16_384;
 /// Incident cells around the normal.
 const NEAR: [usize; 4] = [5, 6, 9, 10];
@@ -26,7 +26,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         "gpu: {}; cpu: {}; {WALKS} walks for each of {} incident cells\n",
         gpu.adapter,
         cpu.adapter,
-        INCIDENT.pow(2)
+        INCIDENT.cells()
     );
     println!(
         "| preset | reflected | transmitted | direct | absorbed | gpu against cpu: p | reciprocal: χ² of pairs, p |"
@@ -35,7 +35,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut failed = Vec::new();
     for (name, _) in PRESETS {
         let mut scene = Scene::parse(&Source::find(name)?)?;
-        (scene.measure.incident, scene.measure.exit) = (Incident::Disc(INCIDENT), EXIT);
+        (scene.measure.incident, scene.measure.exit) = (Incident::Cells(INCIDENT), EXIT);
         let prepared = prepare(&scene)?;
         // The run itself checks both accounts, and fails where they do not close.
         let [a, b] = [(&gpu, 1), (&cpu, 2)].map(|(engine, seed)| tally(&prepared, engine, seed));

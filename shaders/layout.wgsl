@@ -20,7 +20,7 @@ struct Params {
     threshold_bits: u32,
     /// A walk is lost after this many tentative events.
     max_events: u32,
-    /// Cells along an edge of the exit basis, and in all.
+    /// Cells along an edge of the exit basis, or its rings, and cells in all.
     exit_n: u32,
     exit_cells: u32,
     /// Words of `bins` that belong to one start.

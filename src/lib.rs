@@ -18,12 +18,13 @@
 //! # Floors
 //! Data flows down once: [`scene`] → [`cloth`], of yarns → [`distribution`] → [`tables`], [`goniometer`] → an engine
 //! ([`mod@reference`] or [`gpu`]) → [`bsdf`] → [`results`] → [`report`]; [`measure`] runs it, [`plan`] holds ways to model a
-//! scene against each other, and [`export`] writes the
-//! fibers of a cloth for other programs. No module imports one from a later floor,
+//! scene against each other and chooses one, and [`export`] writes the table, and the fibers of a cloth, for other programs;
+//! [`colour`] serves all. No module imports one from a later floor,
 //! and the engines do not know of each other.
 
 pub mod bsdf;
 pub mod cloth;
+pub mod colour;
 pub mod concentric;
 pub mod distribution;
 pub mod error;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms from the ground up; a room may use rooms of earlier floors and itself.
 const FLOORS: &[&[&str]] = &[
-    &["error", "concentric"],
+    &["error", "concentric", "colour"],
     &["scene"],
     &["cloth"],
     &["distribution"],
@@ -26,11 +26,11 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("wgpu", &["gpu"]),
     ("naga", &["gpu"]),
     ("bytemuck", &["gpu"]),
-    ("exr", &["results"]),
+    ("exr", &["results", "export"]),
     ("toml", &["scene"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables", "measure", "plan"]),
+    ("rayon", &["cloth", "reference", "explicit", "distribution", "tables", "measure", "plan", "export"]),
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),

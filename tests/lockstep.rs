@@ -99,6 +99,13 @@ fn mixed_sheets_lit_from_listed_directions_agree_too() {
 }
 
 #[test]
+fn light_from_rings_and_into_rings_agrees_too() {
+    let cloth = Cloth { sides: "[\"front\", \"back\"]".into(), ..Cloth::isotropic(1.0) };
+    check(&cloth.clone().lit_from("\"klems\"").counted_in("klems"), 512, 1e-4);
+    check(&cloth.lit_from("\"polar:3x7\"").counted_in("polar:18x36"), 2048, 2e-4);
+}
+
+#[test]
 fn a_bent_index_differs_in_one_walk_of_ten() {
     let cloth = Cloth::isotropic(4.0);
     let bent = Cloth { ior: 1.505, ..cloth.clone() };

@@ -23,9 +23,10 @@ const NO_DRIVER: [(&str, &str); 2] = [("VK_DRIVER_FILES", "/nonexistent"), ("VK_
 const NO_ADAPTER: &str = "the gpu engine needs a Vulkan, Metal or DX12 driver with the default limits of WebGPU, but no \
                           adapter was found; on Debian-like \
                           systems the packages mesa-vulkan-drivers and libvulkan1 bring a software adapter";
-const INCIDENT: &str =
-    "the N of an N×N disc basis, a whole number from 1 to 64, or a list of directions [[theta, phi], …]";
-const EXIT: &str = "the N of an N×N disc basis, a whole number from 1 to 256";
+const INCIDENT: &str = "the N of an N×N disc basis, a whole number from 1 to 64, \"klems\", rings × sectors such as \"polar:18x36\", at most \
+     4096 cells, or a list of directions [[theta, phi], …]";
+const EXIT: &str = "the N of an N×N disc basis, a whole number from 1 to 256, \"klems\", or rings × sectors such as \"polar:18x36\", at \
+     most 90 × 360";
 
 /// A spectrum as a spreadsheet writes it.
 const SPECTRUM: &str = "\u{feff}# Measured on a film.\r\nnm, 1/mm\r\n400, 0.5\r\n700, 20\r\n";
@@ -532,16 +533,12 @@ fn what_is_not_available_yet_is_refused_by_name() {
         ),
         ("[model]\ncells = [32, 32, 16]", &format!("12:1: `cells` {cells}")),
         ("[model]\ncone_deg = 2", &format!("12:1: `cone_deg` {cells}")),
+        ("[measure]\nincident = \"klem\"", &format!("12:12: `measure.incident` is \"klem\", but must be {INCIDENT}")),
         (
-            "[measure]\nincident = \"klems\"",
-            &format!("12:12: `measure.incident` is \"klems\", but must be {INCIDENT}; this basis is not available yet"),
+            "[measure]\nincident = \"polar:90x46\"",
+            &format!("12:12: `measure.incident` is \"polar:90x46\", but must be {INCIDENT}"),
         ),
-        (
-            "[measure]\nincident = \"polar:18x36\"",
-            &format!(
-                "12:12: `measure.incident` is \"polar:18x36\", but must be {INCIDENT}; this basis is not available yet"
-            ),
-        ),
+        ("[measure]\nexit = \"polar:91x36\"", &format!("12:8: `measure.exit` is \"polar:91x36\", but must be {EXIT}")),
     ]);
 }
 
@@ -567,12 +564,8 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
     refuse_arguments(
         2,
         &[
-            (
-                &["--incident", "klems"],
-                &format!(
-                    "--incident:1:1: `incident` is klems, but must be {INCIDENT}; this basis is not available yet"
-                ),
-            ),
+            (&["--incident", "polar:18"], &format!("--incident:1:1: `incident` is polar:18, but must be {INCIDENT}")),
+            (&["--exit", "Klems"], &format!("--exit:1:1: `exit` is Klems, but must be {EXIT}")),
             (&["--incident", "0"], &format!("--incident:1:1: `incident` is 0, but must be {INCIDENT}")),
             (&["--incident", "-1"], &format!("--incident:1:1: `incident` is -1, but must be {INCIDENT}")),
             (&["--incident", "30, 0"], &format!("--incident:1:1: `incident` is 30, 0, but must be {INCIDENT}")),

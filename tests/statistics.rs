@@ -62,7 +62,7 @@ fn calibration(walks: u64, reported: u64) -> (f64, f64) {
     let reports: Vec<Vec<Estimate>> =
         if reported == walks { samples.clone() } else { (0..SEEDS).map(|seed| table(3000 + seed, reported)).collect() };
     let n = SEEDS as f64;
-    let one_walk = 1.0 / (walks as f64 * goniometer.exit.projected_solid_angle());
+    let one_walk = 1.0 / (walks as f64 * goniometer.exit.projected_solid_angle(0));
     let ratios: Vec<f64> = (0..samples[0].len())
         .filter_map(|cell| {
             let mean = samples.iter().map(|sample| sample[cell].value).sum::<f64>() / n;

@@ -59,10 +59,18 @@ install_packages() {
 }
 
 venv_works() {
-    "$VENV/bin/python" -c 'import OpenEXR, numpy, mitsuba; OpenEXR.File' >/dev/null 2>&1
+    "$VENV/bin/python" -c 'import OpenEXR, numpy, mitsuba, pyradiance; OpenEXR.File' >/dev/null 2>&1
 }
 
-# Make the Python environment that reads OpenEXR files and curves.
+# Mitsuba compiles its llvm variants with the LLVM that it finds, and old ones fail at that.
+llvm_works() {
+    "$VENV/bin/python" -c '
+import mitsuba as mi
+mi.set_variant("llvm_ad_rgb")
+mi.render(mi.load_dict(mi.cornell_box()), spp=1).numpy()' >/dev/null 2>&1
+}
+
+# Make the Python environment that reads what the program writes: OpenEXR files, curves, BSDFs.
 make_venv() {
     local python=python3
     rm -rf "$VENV"
@@ -73,12 +81,13 @@ make_venv() {
         rm -rf "$VENV"
         "$python" -m venv "$VENV" >>"$LOG" 2>&1 || fail "$python cannot make $VENV; its output is in $LOG"
     fi
-    echo "setup: installing the wheels OpenEXR, numpy and mitsuba into $VENV"
-    "$VENV/bin/python" -m pip install --quiet --only-binary :all: 'OpenEXR>=3.3,<4' numpy 'mitsuba>=3.5,<4' </dev/null >>"$LOG" 2>&1 || {
+    echo "setup: installing the wheels OpenEXR, numpy, mitsuba and pyradiance into $VENV"
+    "$VENV/bin/python" -m pip install --quiet --only-binary :all: \
+        'OpenEXR>=3.3,<4' numpy 'mitsuba>=3.7,<4' 'pyradiance>=1.2,<2' </dev/null >>"$LOG" 2>&1 || {
         tail -n 20 "$LOG" >&2
-        fail "pip could not install OpenEXR, numpy and mitsuba; its output is in $LOG"
+        fail "pip could not install OpenEXR, numpy, mitsuba and pyradiance; its output is in $LOG"
     }
-    venv_works || fail "OpenEXR, numpy and mitsuba were installed into $VENV, but do not load"
+    venv_works || fail "OpenEXR, numpy, mitsuba and pyradiance were installed into $VENV, but do not load"
 }
 
 check_rust
@@ -93,3 +102,5 @@ fi
 command -v exrheader >/dev/null || missing+=(openexr)
 [ "${#missing[@]}" = 0 ] || install_packages "${missing[@]}"
 venv_works || make_venv
+llvm_works || install_packages libllvm19
+llvm_works || fail "Mitsuba's variant llvm_ad_rgb does not run: it needs a newer LLVM (19 does; the variable DRJIT_LIBLLVM_PATH names its file)"

@@ -54,24 +54,24 @@ pub fn mean_weight(moments: Moments, walks: u64, unit: u64) -> Estimate {
 ///
 /// Where straight rays say how much touches no fiber, the walks say how the rest is shared out.
 pub fn share(tally: &Tally, start: usize, walks: u64, light: Moments) -> Estimate {
-    let Basis { walks, share } = Basis::new(tally, start, walks);
+    let Source { walks, share } = Source::new(tally, start, walks);
     let Estimate { value, stderr } = mean_weight(light, walks, tally.unit());
     Estimate { value: share.value * value, stderr: (share.value * stderr).hypot(value * share.stderr) }
 }
 
 /// The walks of a start that say where light goes, and the share of all light that they stand for.
-pub(super) struct Basis {
+pub(super) struct Source {
     pub walks: u64,
     pub share: Estimate,
 }
 
-impl Basis {
+impl Source {
     /// All walks for all light; those that met a fiber for the rest where straight rays say how much touches none.
-    pub fn new(tally: &Tally, start: usize, walks: u64) -> Basis {
+    pub fn new(tally: &Tally, start: usize, walks: u64) -> Source {
         match straight(tally, start, walks) {
-            None => Basis { walks, share: Estimate { value: 1.0, stderr: 0.0 } },
+            None => Source { walks, share: Estimate { value: 1.0, stderr: 0.0 } },
             Some(Straight { value, stderr }) => {
-                Basis { walks: walks - tally.direct(start), share: Estimate { value: 1.0 - value, stderr } }
+                Source { walks: walks - tally.direct(start), share: Estimate { value: 1.0 - value, stderr } }
             }
         }
     }
@@ -102,8 +102,8 @@ pub fn values(
 ) -> Vec<Estimate> {
     let cells = tally.layout.exit_cells;
     let first = if component == Component::Reflection { 0 } else { cells };
-    let solid_angle = goniometer.exit.projected_solid_angle();
     let value = |bin| {
+        let solid_angle = goniometer.exit.projected_solid_angle(bin - first);
         let Estimate { value, stderr } =
             share(tally, start, tally.walks_per_incident(), tally.light(start, bin, channel));
         Estimate { value: value / solid_angle, stderr: stderr / solid_angle }
@@ -123,7 +123,7 @@ pub fn noise(tally: &Tally) -> f64 {
             continue;
         }
         // More walks do not lessen the error of straight rays, which is left out.
-        let Basis { walks, share } = Basis::new(tally, start, walks);
+        let Source { walks, share } = Source::new(tally, start, walks);
         for bin in 0..2 * tally.layout.exit_cells {
             for channel in 0..tally.channels() {
                 let light = tally.light(start, bin, channel);

@@ -11,13 +11,17 @@ mod blocks;
 mod compare;
 mod distance;
 mod estimate;
+mod halves;
 mod reciprocity;
 mod significance;
+mod table;
 mod totals;
 
 pub use blocks::{BlockTotals, FEWEST_BLOCKS, block_noise, block_totals, scattered};
 pub use compare::{CellDifference, Comparison, LEVEL, PooledDifference, compare};
 pub use distance::{Distance, distance, distance_of};
 pub use estimate::{Component, Estimate, direct, mean_weight, noise, probability, share, values};
+pub use halves::{Halves, average_halves};
 pub use reciprocity::{Residual, reciprocity};
+pub use table::{Bsdf, Scattering};
 pub use totals::{Totals, hemispherical, totals};

@@ -1,11 +1,12 @@
 //! Whether light takes the same way back: f(wi, wo) = f(wo, wi). Flights that start where light leaves a fiber do not, near faces
 //! and where densities change: then the residual holds that error of the model.
 
-use super::estimate::{Basis, Component};
+use super::estimate::{Component, Source};
 use super::significance::chi_square_tail;
-use crate::goniometer::{Goniometer, Incidence, Moments, Tally};
+use crate::goniometer::{Goniometer, Moments, Tally};
 use crate::scene::Side;
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// Least number of walks, or effective number of weighted ones, in a pair of cells that is counted.
 const LEAST: f64 = 25.0;
@@ -24,9 +25,10 @@ pub struct Residual {
 }
 
 /// The residual of a component of a lit side in a channel: reflection against its own transpose, transmission against
-/// that of the other side transposed; exit cells are pooled to the incident grid.
+/// that of the other side transposed; exit cells are pooled to the incident cells.
 ///
-/// None for listed directions, for transmission with one side lit, and when the exit grid is no multiple of the incident.
+/// Light that goes from a cell to another is P·Ω, with the projected solid angle Ω of the cell that it comes from.
+/// None for listed directions, for transmission with one side lit, and when an exit cell lies in several incident cells.
 pub fn reciprocity(
     tally: &Tally,
     goniometer: &Goniometer,
@@ -34,10 +36,8 @@ pub fn reciprocity(
     side: Side,
     channel: usize,
 ) -> Option<Residual> {
-    let Incidence::Disc(incident) = &goniometer.incidence else { return None };
-    if !goniometer.exit.n.is_multiple_of(incident.n) {
-        return None;
-    }
+    let incident = goniometer.incident_basis()?;
+    let inside = goniometer.exit.inside(incident)?;
     let reverse = match (component, side) {
         (Component::Reflection, side) => side,
         (Component::Transmission, Side::Front) => Side::Back,
@@ -45,13 +45,15 @@ pub fn reciprocity(
     };
     let place = |side| goniometer.sides.iter().position(|lit| *lit == side);
     let (there, here) = (place(side)?, place(reverse)?);
-    let forth = pooled(tally, goniometer, incident.n, component, there, channel);
-    let back = pooled(tally, goniometer, incident.n, component, here, channel);
     let cells = incident.cells();
+    let forth = pooled(tally, &inside, cells, component, there, channel);
+    let back = pooled(tally, &inside, cells, component, here, channel);
+    // Relative to the mean, so that shares of equal cells stay what they are.
+    let weight = |cell: usize| incident.projected_solid_angle(cell) * cells as f64 / PI;
     let scale = 1.0 / (tally.unit() as f64 * tally.walks_per_incident() as f64);
     // Straight rays may know better how much light meets fibers at all.
     let factor = |start: usize| {
-        let Basis { walks, share } = Basis::new(tally, start, tally.walks_per_incident());
+        let Source { walks, share } = Source::new(tally, start, tally.walks_per_incident());
         share.value * tally.walks_per_incident() as f64 / walks as f64
     };
     let (mut excess, mut square) = (0.0, 0.0);
@@ -61,7 +63,7 @@ pub fn reciprocity(
         let others = if side == reverse { i + 1..cells } else { 0..cells };
         for o in others {
             let (p, q) = (forth[i * cells + o], back[o * cells + i]);
-            let scales = [factor(there * cells + i), factor(here * cells + o)].map(|factor| factor * scale);
+            let scales = [(there, i), (here, o)].map(|(side, cell)| factor(side * cells + cell) * weight(cell) * scale);
             let [share_p, share_q] = [p.sum as f64 * scales[0], q.sum as f64 * scales[1]];
             let second = p.square as f64 * scales[0].powi(2) + q.square as f64 * scales[1].powi(2);
             // The two are equal if light is reciprocal, so they have one mean.
@@ -82,24 +84,21 @@ pub fn reciprocity(
     Some(residual)
 }
 
-/// Light by incident cell and exit cell of a grid of n × n.
+/// Light by incident cell and the incident cell that its exit cell lies in.
 fn pooled(
     tally: &Tally,
-    goniometer: &Goniometer,
-    n: u32,
+    inside: &[usize],
+    cells: usize,
     component: Component,
     side: usize,
     channel: usize,
 ) -> Vec<Moments> {
-    let exit = goniometer.exit.n;
-    let (cells, exits) = ((n * n) as usize, goniometer.exit.cells());
-    let first = if component == Component::Reflection { 0 } else { exits };
+    let first = if component == Component::Reflection { 0 } else { inside.len() };
     let mut light = vec![Moments::default(); cells * cells];
     for cell in 0..cells {
-        for bin in 0..exits {
-            let (row, column) = (bin as u32 / exit * n / exit, bin as u32 % exit * n / exit);
+        for (bin, &coarse) in inside.iter().enumerate() {
             let part = tally.light(side * cells + cell, first + bin, channel);
-            let sum = &mut light[cell * cells + (row * n + column) as usize];
+            let sum = &mut light[cell * cells + coarse];
             sum.sum += part.sum;
             sum.square += part.square;
         }

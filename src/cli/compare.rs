@@ -97,7 +97,7 @@ fn findings(about: &About, comparison: &Comparison) -> String {
 
 /// Where a cell is, and its light in both.
 fn named(about: &About, cell: &CellDifference) -> String {
-    let exits = about.exit.pow(2) as usize;
+    let exits = about.exit.cells();
     let place = match cell.bin {
         bin if bin < exits => format!("reflection, exit cell {bin}"),
         bin if bin < 2 * exits => format!("transmission, exit cell {}", bin - exits),

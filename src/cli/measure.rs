@@ -1,20 +1,22 @@
 //! `fiberwalk measure`.
 
 mod notes;
+mod planned;
 mod watch;
 
 use super::show::{grouped, reciprocity_lines, totals_table};
 use super::{one_line, print};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{
-    AgainstFibers, EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare_explicit, prepare_with,
-    run as measure,
+    AgainstFibers, ChosenEngine, EngineChoice, MAX_WALKS, Measurement, Progress, Stop, choose, prepare_explicit,
+    prepare_with, run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
 use fiberwalk::scene::{Medium, Packing, Scene, Source};
 use fiberwalk::walk::Walker;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
+use planned::Ready;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use watch::Watch;
@@ -53,8 +55,9 @@ pub struct Arguments {
     #[arg(long)]
     quiet: bool,
     /// What the light goes through: implicit, the statistical medium, or explicit, the fibers themselves
-    #[arg(long, value_enum, default_value_t = ModelChoice::Implicit)]
-    model: ModelChoice,
+    /// [default: with --tolerance, and if nothing is said of the medium, what the planner chooses; else implicit]
+    #[arg(long, value_enum)]
+    model: Option<ModelChoice>,
     /// How fibers are laid: random, where they may overlap, or separate, where they do not
     #[arg(long, value_name = "PACKING")]
     packing: Option<String>,
@@ -82,10 +85,11 @@ pub struct Arguments {
     /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 2]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     cone: Option<String>,
-    /// Incident directions: N of the disc basis, or a list such as "[[30, 0], [60, 0]]" (theta, phi in degrees)
+    /// Incident directions: N of the disc basis, klems, polar:18x36 (rings × sectors), or a list such as
+    /// "[[30, 0], [60, 0]]" (theta, phi in degrees)
     #[arg(long, value_name = "BASIS", allow_hyphen_values = true)]
     incident: Option<String>,
-    /// Exit cells: N of the disc basis
+    /// Exit cells: N of the disc basis, klems or polar:18x36 (rings × sectors)
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     exit: Option<String>,
     /// Lit sides: front, back or front,back
@@ -124,7 +128,7 @@ pub enum Choice {
     Cpu,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum ModelChoice {
     Implicit,
     Explicit,
@@ -136,12 +140,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // Check everything that can be wrong before the first walk.
     let source = Source::find(&arguments.cloth)?;
     let mut scene = arguments.apply(Scene::parse(&source)?)?;
-    let stop = arguments.stop();
-    let measurement = match scene.model.medium {
-        Medium::Implicit => arguments.through_medium(&mut scene, &source, stop, started)?,
-        Medium::Explicit => arguments.through_fibers(&scene, &source, stop, started)?,
+    let folder = arguments.folder(&source, Goniometer::new(&scene.measure).starts() as u64)?;
+    let mut ready = Ready::new(arguments.stop());
+    if arguments.model.is_none() && !scene.model.chosen {
+        ready = arguments.plan(&mut scene, ready)?;
+    }
+    let plan = ready.plan.take();
+    let mut measurement = match scene.model.medium {
+        Medium::Implicit => arguments.through_medium(&mut scene, &source, ready, started)?,
+        Medium::Explicit => arguments.through_fibers(&scene, &source, ready.stop, started)?,
     };
-    let (folder, measurement) = measurement;
+    measurement.plan = plan.map(|plan| plan.summary());
     let path = folder.path().to_owned();
     folder.write(&scene, &measurement)?;
     let files = ["bsdf.exr", TALLY, "summary.json"].map(|file| format!("{}\n", path.join(file).display())).concat();
@@ -166,27 +175,27 @@ impl Arguments {
         &self,
         scene: &mut Scene,
         source: &Source,
-        stop: Stop,
+        ready: Ready,
         started: Instant,
-    ) -> Result<(ResultFolder, Measurement)> {
-        let folder = self.folder(source, Goniometer::new(&scene.measure).starts() as u64)?;
+    ) -> Result<Measurement> {
         let counting = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
         let style = ProgressStyle::with_template("{bar:30} {percent}% counting the fibers, {eta} left");
         counting.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        let prepared = prepare_with(scene, |share| counting.set_position((1000.0 * share) as u64))?;
+        let prepared = match ready.prepared {
+            Some(prepared) => prepared,
+            None => prepare_with(scene, |share| counting.set_position((1000.0 * share) as u64))?,
+        };
         counting.finish_and_clear();
         if prepared.gathering.is_some() {
             // Tell the cells that were chosen.
             scene.model.cells = Some(prepared.specific_length.cells.counts);
         }
-        let choice = match self.engine {
-            Choice::Auto => EngineChoice::Auto,
-            Choice::Gpu => EngineChoice::Gpu,
-            Choice::Cpu => EngineChoice::Cpu,
+        let engine = match ready.engine {
+            Some(engine) => engine,
+            None => self.choose_engine()?,
         };
-        let engine = choose(choice, self.adapter.as_deref())?;
-        self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), stop);
-        let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, stop, started)?;
+        self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), ready.stop);
+        let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, ready.stop, started)?;
         // Separate fibers take too long to draw for a glance.
         if scene.model.packing == Packing::Random {
             match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
@@ -195,17 +204,21 @@ impl Arguments {
                 Err(error) => eprintln!("{}", one_line(&format!("not held against the fibers: {error}"))),
             }
         }
-        Ok((folder, measurement))
+        Ok(measurement)
+    }
+
+    /// The engine that was asked for, or the best there is.
+    fn choose_engine(&self) -> Result<ChosenEngine> {
+        let choice = match self.engine {
+            Choice::Auto => EngineChoice::Auto,
+            Choice::Gpu => EngineChoice::Gpu,
+            Choice::Cpu => EngineChoice::Cpu,
+        };
+        choose(choice, self.adapter.as_deref())
     }
 
     /// Walk through the fibers themselves.
-    fn through_fibers(
-        &self,
-        scene: &Scene,
-        source: &Source,
-        stop: Stop,
-        started: Instant,
-    ) -> Result<(ResultFolder, Measurement)> {
+    fn through_fibers(&self, scene: &Scene, source: &Source, stop: Stop, started: Instant) -> Result<Measurement> {
         let asked = match self.engine {
             Choice::Gpu => Some("--engine gpu"),
             _ => self.adapter.as_ref().map(|_| "--adapter"),
@@ -214,12 +227,11 @@ impl Arguments {
             let message = format!("{flag} cannot be used with --model explicit, which the cpu engine alone can do");
             return Err(Error::Input(message));
         }
-        let folder = self.folder(source, Goniometer::new(&scene.measure).starts() as u64)?;
         let (explicit, goniometer) = prepare_explicit(scene)?;
         self.tell(source, scene, notes::of_fibers(scene, &explicit, &goniometer), stop);
         let mut measurement = self.walk(&explicit, &goniometer, stop, started)?;
         measurement.clustering = explicit.clustering(&measurement.tally);
-        Ok((folder, measurement))
+        Ok(measurement)
     }
 
     /// Check the number of walks, and where the results go.
@@ -240,7 +252,8 @@ impl Arguments {
         }
         eprintln!("{}", one_line(&format!("{}: {}", source.file, scene.name)));
         how.iter().for_each(|line| eprintln!("{}", one_line(line)));
-        let stop = notes::of_stop(stop, scene.model.medium == Medium::Explicit);
+        let stop =
+            notes::of_stop(stop, self.model.is_none() && !scene.model.chosen || scene.model.medium == Medium::Explicit);
         stop.iter().for_each(|line| eprintln!("{line}"));
     }
 
@@ -274,7 +287,7 @@ impl Arguments {
             ("directions", &self.directions),
             ("cone", &self.cone),
         ];
-        if let ModelChoice::Explicit = self.model {
+        if self.model == Some(ModelChoice::Explicit) {
             scene.model.medium = Medium::Explicit;
             if let Some((flag, _)) = implicit.iter().find(|(_, text)| text.is_some()) {
                 let message =

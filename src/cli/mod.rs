@@ -6,6 +6,7 @@ mod chart;
 mod compare;
 mod curves;
 mod engines;
+mod export;
 mod inspect;
 mod measure;
 mod new;
@@ -34,6 +35,7 @@ enum Command {
     Compare(compare::Arguments),
     Curves(curves::Arguments),
     Engines(engines::Arguments),
+    Export(export::Arguments),
     New(new::Arguments),
 }
 
@@ -46,6 +48,7 @@ pub fn run() -> Result<()> {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Curves(arguments) => curves::run(&arguments),
         Command::Engines(arguments) => engines::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
     }
 }

@@ -16,6 +16,17 @@ pub fn estimate(estimate: Estimate) -> String {
     format!("{value:.digits$} ± {stderr:.digits$}")
 }
 
+/// A ratio to a standard error: two digits below 10, whole numbers above.
+pub fn estimate_ratio(ratio: f64) -> String {
+    if ratio < 0.005 {
+        "less than 0.01".into()
+    } else if ratio < 10.0 {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.0}")
+    }
+}
+
 /// A count with spaces between groups of three digits.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -59,7 +70,7 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
                 // A listed direction keeps the angles that it was given by.
                 let angles = match &scene.measure.incident {
                     Incident::List(angles) => angles[start % cells],
-                    Incident::Disc(_) => goniometer.angles(start),
+                    Incident::Cells(_) => goniometer.angles(start),
                 };
                 let [theta, phi] = angles.map(f64::to_degrees);
                 text += &row(format!("θ {theta:.1}°, φ {phi:.1}°"), &totals(tally, start, channel));

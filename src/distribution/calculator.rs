@@ -21,9 +21,9 @@ const EDGE: f64 = 2.0;
 const LIST_WIDTH: f64 = 1.0 / 16.0;
 /// Most cells along an axis, and in all.
 const MOST_ALONG: u32 = 256;
-const MOST_CELLS: usize = 1 << 18;
+const MOST_CELLS: usize = 1 << 20;
 /// Most cells of the grid of lists: more take more memory than they are worth.
-const MOST_LISTS: usize = 1 << 18;
+const MOST_LISTS: usize = 1 << 17;
 /// The effort of a run.
 const USUAL: Effort = Effort::Precision(0.15);
 /// Fewest and most realizations.

@@ -64,7 +64,7 @@ impl StraightRays {
         if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
             return Ok(());
         }
-        let rays = self.through(number, realization)?;
+        let rays = self.through(number, realization, self.of_start())?;
         self.seen().insert(number, rays);
         Ok(())
     }
@@ -76,15 +76,15 @@ impl StraightRays {
 
     /// The rays of all starts through a realization: of each an even sequence of places on the lit face and directions inside
     /// the incident cell, begun anywhere.
-    fn through(&self, number: u64, realization: &Realization) -> Result<Vec<FirstHit>> {
+    fn through(&self, number: u64, realization: &Realization, of_start: usize) -> Result<Vec<FirstHit>> {
         let grid = FiberGrid::new(&realization.fibers, realization.period)?;
         let [low, high] = grid.span();
         let mut work = Work::default();
         let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
-        let mut rays = Vec::with_capacity(self.of_start() * self.goniometer.starts());
+        let mut rays = Vec::with_capacity(of_start * self.goniometer.starts());
         for start in 0..self.goniometer.starts() {
             let begin = DVec4::from_array(draw(SEED, number, start as u32, Purpose::Start).map(uniform));
-            for ray in 0..self.of_start() {
+            for ray in 0..of_start {
                 let at = (begin + step * (ray as f64 + 1.0)).fract();
                 let m = -self.goniometer.start_direction(start, DVec2::new(at.x, at.y));
                 let place = grid.period() * DVec2::new(at.z, at.w);
@@ -105,6 +105,14 @@ impl StraightRays {
             }
         }
         Ok(rays)
+    }
+
+    /// So many rays of each start through one realization.
+    ///
+    /// # Errors
+    /// Those of [`FiberGrid::new`].
+    pub fn of_one(&self, number: u64, realization: &Realization, of_start: usize) -> Result<FirstHits> {
+        Ok(FirstHits { of_start, rays: self.through(number, realization, of_start)? })
     }
 
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
@@ -198,7 +206,7 @@ impl FirstHitBanks for Banks {
         if let Some((_, bank)) = last.as_ref().filter(|(known, _)| *known == number) {
             return Ok(bank.clone());
         }
-        let through = |realization| self.rays.through(realization, &realizer.draw(realization)?);
+        let through = |realization| self.rays.through(realization, &realizer.draw(realization)?, self.rays.of_start());
         let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
         let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
         let bank = Arc::new(self.rays.interleaved(&drawn));

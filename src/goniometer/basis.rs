@@ -1,159 +1,106 @@
-//! Incident and exit bases.
+//! A hemisphere cut into cells.
 
-use super::tally::{BinLayout, Outcome};
-use crate::concentric::{Patch, disc_to_square, square_to_disc};
-use crate::scene::{Incident, Measure, Side};
+use super::disc::DiscBasis;
+use super::rings::RingBasis;
+use crate::scene::BasisChoice;
 use glam::{DVec2, DVec3};
-use std::f64::consts::PI;
 
-/// `n` × `n` cells of the square that the concentric map gives from the projected unit disc.
-///
-/// Column ⌊n(a+1)/2⌋, row ⌊n(b+1)/2⌋, index row·n + column. Every cell has projected solid angle π/n².
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DiscBasis {
-    /// Cells along an edge of the square.
-    pub n: u32,
+/// Cells of a hemisphere. They index the (x, y) projection of a unit vector.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Basis {
+    /// Cells of the concentric map, all of one projected solid angle.
+    Disc(DiscBasis),
+    /// Rings around the normal.
+    Rings(RingBasis),
 }
 
-impl DiscBasis {
+impl Basis {
+    /// The cells that go by a name.
+    pub fn new(choice: BasisChoice) -> Basis {
+        match choice {
+            BasisChoice::Disc(n) => Basis::Disc(DiscBasis { n }),
+            BasisChoice::Klems => Basis::Rings(RingBasis::klems()),
+            BasisChoice::Polar { rings, sectors } => Basis::Rings(RingBasis::polar(rings, sectors)),
+        }
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
-        (self.n * self.n) as usize
+        match self {
+            Basis::Disc(disc) => disc.cells(),
+            Basis::Rings(rings) => rings.cells(),
+        }
     }
 
-    /// Projected solid angle of one cell in sr.
-    pub fn projected_solid_angle(&self) -> f64 {
-        PI / self.cells() as f64
+    /// Projected solid angle of a cell in sr; those of all cells add up to π.
+    pub fn projected_solid_angle(&self, cell: usize) -> f64 {
+        match self {
+            Basis::Disc(disc) => disc.projected_solid_angle(),
+            Basis::Rings(rings) => rings.projected_solid_angle(cell),
+        }
     }
 
-    /// The place of the projection (x, y) on the square, in cells: the integer parts are column and row.
+    /// The place of the projection (x, y) in cells: edges of cells lie at whole numbers.
     pub fn place(&self, projection: DVec2) -> DVec2 {
-        (disc_to_square(projection) + 1.0) * (f64::from(self.n) / 2.0)
+        match self {
+            Basis::Disc(disc) => disc.place(projection),
+            Basis::Rings(rings) => rings.place(projection),
+        }
     }
 
     /// The cell that holds a direction, by its projection (x, y).
     pub fn cell_of(&self, projection: DVec2) -> usize {
-        let place = self.place(projection);
-        let along = |t: f64| (t as u32).min(self.n - 1);
-        (along(place.y) * self.n + along(place.x)) as usize
+        match self {
+            Basis::Disc(disc) => disc.cell_of(projection),
+            Basis::Rings(rings) => rings.cell_of(projection),
+        }
     }
 
-    /// The part of the square that is one cell.
-    pub fn patch(&self, cell: usize) -> Patch {
-        let cell = cell as u32;
-        Patch::cell(self.n, cell % self.n, cell / self.n)
-    }
-
-    /// The unit vector, z ≥ 0, at a place inside a cell; a place is in [0, 1]².
+    /// The unit vector, z ≥ 0, at a place of [0, 1]² inside a cell: places that are uniform give directions that are
+    /// uniform in projected solid angle.
     pub fn direction(&self, cell: usize, place: DVec2) -> DVec3 {
-        let disc = square_to_disc(self.patch(cell).at(place));
-        disc.extend((1.0 - disc.length_squared()).max(0.0).sqrt())
+        match self {
+            Basis::Disc(disc) => disc.direction(cell, place),
+            Basis::Rings(rings) => rings.direction(cell, place),
+        }
     }
-}
 
-/// The incident basis.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Incidence {
-    /// Cells of the disc; rays are uniform in projected solid angle inside their cell.
-    Disc(DiscBasis),
-    /// Collimated directions, unit vectors to where the light comes from.
-    Listed(Vec<DVec3>),
-}
+    /// The unit vector in the middle of a cell.
+    pub fn centre(&self, cell: usize) -> DVec3 {
+        self.direction(cell, DVec2::splat(0.5))
+    }
 
-/// The instrument: lit sides × incident cells × exit cells.
-///
-/// A *start* is an incident cell of a lit side; start number = side·incident cells + cell, lit sides in their order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Goniometer {
-    /// Where light comes from, on each lit side.
-    pub incidence: Incidence,
-    /// Where it is counted, by reflection and by transmission.
-    pub exit: DiscBasis,
-    /// The lit sides, front first.
-    pub sides: Vec<Side>,
-}
-
-impl Goniometer {
-    /// The instrument that a scene asks for.
-    pub fn new(measure: &Measure) -> Goniometer {
-        let incidence = match &measure.incident {
-            Incident::Disc(n) => Incidence::Disc(DiscBasis { n: *n }),
-            Incident::List(angles) => {
-                Incidence::Listed(angles.iter().map(|&[theta, phi]| from_angles(theta, phi)).collect())
-            }
+    /// For each cell the cell of a coarser basis that holds all of it; none when a cell lies in several.
+    pub fn inside(&self, coarse: &Basis) -> Option<Vec<usize>> {
+        let nested = match (self, coarse) {
+            (Basis::Disc(fine), Basis::Disc(coarse)) => fine.n.is_multiple_of(coarse.n),
+            (Basis::Rings(fine), Basis::Rings(coarse)) => nested(fine, coarse),
+            _ => coarse.cells() == 1,
         };
-        Goniometer { incidence, exit: DiscBasis { n: measure.exit }, sides: measure.sides.clone() }
-    }
-
-    /// Number of incident cells or listed directions of one side.
-    pub fn incident_cells(&self) -> usize {
-        match &self.incidence {
-            Incidence::Disc(disc) => disc.cells(),
-            Incidence::Listed(directions) => directions.len(),
-        }
-    }
-
-    /// Number of starts.
-    pub fn starts(&self) -> usize {
-        self.sides.len() * self.incident_cells()
-    }
-
-    /// The lit side of a start.
-    pub fn side(&self, start: usize) -> Side {
-        self.sides[start / self.incident_cells()]
-    }
-
-    /// wi at a place of [0, 1]² inside the incident cell of a start; a listed direction is the same at every place.
-    ///
-    /// Light on the back comes from −z; its (x, y) are those of the same cell on the front.
-    pub fn start_direction(&self, start: usize, place: DVec2) -> DVec3 {
-        let cell = start % self.incident_cells();
-        let wi = match &self.incidence {
-            Incidence::Disc(disc) => disc.direction(cell, place),
-            Incidence::Listed(directions) => directions[cell],
-        };
-        match self.side(start) {
-            Side::Front => wi,
-            Side::Back => wi.with_z(-wi.z),
-        }
-    }
-
-    /// wi in the middle of the incident cell of a start.
-    pub fn centre(&self, start: usize) -> DVec3 {
-        self.start_direction(start, DVec2::splat(0.5))
-    }
-
-    /// θ from the lit side's normal, and φ from +x, of the middle of a start's incident cell, in radians.
-    pub fn angles(&self, start: usize) -> [f64; 2] {
-        let wi = self.centre(start);
-        [wi.z.abs().min(1.0).acos(), wi.y.atan2(wi.x)]
-    }
-
-    /// How the bins of one start are laid out.
-    pub fn layout(&self) -> BinLayout {
-        BinLayout { exit_cells: self.exit.cells() }
-    }
-
-    /// The bin of a walk that left the sheet along `m`, or the lost bin when `m` is not a unit vector.
-    ///
-    /// The side is the sign of m_z; `touched` tells whether the light met a fiber.
-    pub fn exit_bin(&self, lit: Side, m: DVec3, touched: bool) -> usize {
-        let layout = self.layout();
-        let square = m.length_squared();
-        if !(square > 0.99 && square < 1.01) {
-            return layout.outcome(Outcome::Lost);
-        }
-        if !touched {
-            return layout.outcome(Outcome::Direct);
-        }
-        let cell = self.exit.cell_of(m.truncate());
-        if (m.z > 0.0) == (lit == Side::Front) { layout.reflection(cell) } else { layout.transmission(cell) }
+        nested.then(|| (0..self.cells()).map(|cell| coarse.cell_of(self.centre(cell).truncate())).collect())
     }
 }
 
-/// The unit vector at polar angle θ and azimuth φ, in radians.
-fn from_angles(theta: f64, phi: f64) -> DVec3 {
-    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+/// Whether edges of the coarse rings and sectors are edges of the fine ones.
+fn nested(fine: &RingBasis, coarse: &RingBasis) -> bool {
+    if fine == coarse {
+        return true;
+    }
+    let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let within = |outer: &super::rings::Ring, inner: &super::rings::Ring| {
+        // Sectors that are cut evenly share their edges only when both begin on the axis.
+        outer.sectors == 1 || (outer.shift == 0.0 && inner.shift == 0.0 && inner.sectors.is_multiple_of(outer.sectors))
+    };
+    coarse.rings().iter().all(|outer| {
+        let inside = |ring: &&super::rings::Ring| {
+            let middle = (ring.edges[0] + ring.edges[1]) / 2.0;
+            (outer.edges[0]..outer.edges[1]).contains(&middle)
+        };
+        let parts: Vec<_> = fine.rings().iter().filter(inside).collect();
+        let ends = parts.first().zip(parts.last());
+        ends.is_some_and(|(first, last)| same(first.edges[0], outer.edges[0]) && same(last.edges[1], outer.edges[1]))
+            && parts.iter().all(|inner| within(outer, inner))
+    })
 }
 
 #[cfg(test)]
@@ -161,49 +108,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_direction_lies_in_the_cell_it_was_made_from() {
-        let disc = DiscBasis { n: 7 };
-        for cell in 0..disc.cells() {
-            for place in [DVec2::new(0.01, 0.99), DVec2::splat(0.5), DVec2::new(0.7, 0.02)] {
-                let direction = disc.direction(cell, place);
-                assert!((direction.length() - 1.0).abs() < 1e-12);
-                assert_eq!(disc.cell_of(direction.truncate()), cell);
-            }
+    fn cells_that_are_cut_say_so() {
+        let polar = |rings, sectors| Basis::new(BasisChoice::Polar { rings, sectors });
+        let disc = |n| Basis::new(BasisChoice::Disc(n));
+        let klems = Basis::new(BasisChoice::Klems);
+        assert_eq!(polar(4, 6).inside(&polar(2, 3)).map(|cells| cells[6 + 5]), Some(2));
+        assert_eq!(polar(4, 6).inside(&polar(2, 3)).map(|cells| cells[12]), Some(3));
+        assert_eq!(klems.inside(&klems).map(|cells| cells[144]), Some(144));
+        assert_eq!(disc(4).inside(&disc(2)).map(|cells| cells[15]), Some(3));
+        for (fine, coarse) in
+            [(disc(3), disc(2)), (polar(3, 6), polar(2, 3)), (polar(4, 6), polar(2, 4)), (klems.clone(), polar(1, 3))]
+        {
+            assert!(fine.inside(&coarse).is_none(), "{fine:?} in {coarse:?}");
         }
-    }
-
-    #[test]
-    fn cells_count_from_negative_x_and_y() {
-        let disc = DiscBasis { n: 4 };
-        assert_eq!(disc.cell_of(DVec2::new(-0.9, -0.3)), 4);
-        assert_eq!(disc.cell_of(DVec2::new(0.9, -0.3)), 7);
-        assert_eq!(disc.cell_of(DVec2::new(0.3, 0.9)), 14);
-    }
-
-    #[test]
-    fn what_is_not_a_direction_is_lost() {
-        let incidence = Incidence::Disc(DiscBasis { n: 2 });
-        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 }, sides: vec![Side::Front] };
-        let lost = goniometer.layout().outcome(Outcome::Lost);
-        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::ZERO, true), lost);
-        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::splat(f64::NAN), true), lost);
-        assert_eq!(goniometer.exit_bin(Side::Front, DVec3::new(0.0, 0.0, 1.2), false), lost);
-        assert_eq!(goniometer.exit_bin(Side::Front, -DVec3::Z, false), goniometer.layout().outcome(Outcome::Direct));
-    }
-
-    #[test]
-    fn the_back_is_lit_in_the_frame_of_the_front() {
-        let incidence = Incidence::Disc(DiscBasis { n: 4 });
-        let goniometer = Goniometer { incidence, exit: DiscBasis { n: 4 }, sides: vec![Side::Front, Side::Back] };
-        assert_eq!(goniometer.starts(), 32);
-        let (front, back) = (goniometer.centre(5), goniometer.centre(16 + 5));
-        assert_eq!(back, front.with_z(-front.z));
-        assert_eq!(goniometer.angles(5), goniometer.angles(16 + 5));
-        let up = goniometer.layout().transmission(goniometer.exit.cell_of(front.truncate()));
-        assert_eq!(
-            goniometer.exit_bin(Side::Back, front, true),
-            up,
-            "light from below that leaves upwards went through"
-        );
+        assert!(polar(18, 1).inside(&klems).is_none() && klems.inside(&polar(1, 1)).is_some());
     }
 }

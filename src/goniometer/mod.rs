@@ -11,8 +11,14 @@
 
 mod basis;
 mod coverage;
+mod disc;
+mod instrument;
+mod rings;
 mod tally;
 
-pub use basis::{DiscBasis, Goniometer, Incidence};
+pub use basis::Basis;
 pub use coverage::{Coverage, Origin, Run};
+pub use disc::DiscBasis;
+pub use instrument::{Goniometer, Incidence};
+pub use rings::{MOST_RINGS, Ring, RingBasis};
 pub use tally::{BinLayout, Counts, Moments, OUTCOMES, Outcome, Straight, Tally, WEIGHT, Weights};

@@ -3,6 +3,7 @@
 use super::device::OpenDevice;
 use super::layout::{Counters, FirstHit, Lane, Params, Trace, UNIFORM_ENTRIES, group_layout};
 use crate::error::Result;
+use crate::goniometer::MOST_RINGS;
 use crate::scene::MAX_CHANNELS;
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
@@ -13,6 +14,7 @@ pub struct Packed<'a> {
     pub incident: &'a [[f32; 4]],
     pub absorption: &'a [[f32; 4]],
     pub first_hits: &'a [FirstHit],
+    pub rings: &'a [[f32; 4]],
 }
 
 /// Which tables are textures, not uniform buffers.
@@ -58,6 +60,7 @@ impl Buffers {
         let cells = device.buffer("cells_uniform", entries, uniform)?;
         let rays = size_of_val(packed.first_hits).max(size_of::<FirstHit>()) as u64;
         let first_hits = device.buffer("first_hits", rays, storage)?;
+        let rings = device.buffer("rings", (MOST_RINGS * 16) as u64, uniform)?;
         let mut views = Vec::new();
         let tables = [
             ("table_texture", packed.directions, in_texture.directions, &table),
@@ -72,6 +75,7 @@ impl Buffers {
         device.queue.write_buffer(&incident, 0, bytemuck::cast_slice(packed.incident));
         device.queue.write_buffer(&absorption, 0, bytemuck::cast_slice(packed.absorption));
         device.queue.write_buffer(&first_hits, 0, bytemuck::cast_slice(packed.first_hits));
+        device.queue.write_buffer(&rings, 0, bytemuck::cast_slice(packed.rings));
         let resources = [
             params.as_entire_binding(),
             table.as_entire_binding(),
@@ -85,6 +89,7 @@ impl Buffers {
             cells.as_entire_binding(),
             BindingResource::TextureView(&views[1]),
             first_hits.as_entire_binding(),
+            rings.as_entire_binding(),
         ];
         let group = bind(device, 0, resources);
         Ok(Buffers { group, params, lanes, bins, counters, traces })

@@ -4,13 +4,16 @@ use super::adapter::{self, Kind};
 use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, FirstHit, UNIFORM_ENTRIES};
-use super::pack::{absorption_table, cell_table, direction_entries, direction_table, first_hit_table, incident_table};
+use super::pack::{
+    absorption_table, cell_table, direction_entries, direction_table, first_hit_table, incidence, incident_table,
+    ring_table,
+};
 use super::params::{counts, params, placement, start_words};
 use super::session::{Session, Shape};
 use super::settings::{Report, Settings};
 use super::tuning::{Choice, TELLING, Tuning, flush_every, longest_budget};
 use crate::error::{Error, Result};
-use crate::goniometer::{Coverage, Goniometer, Incidence, Origin, Tally};
+use crate::goniometer::{Basis, Coverage, Goniometer, Origin, Tally};
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, FirstHits, ROULETTE_EVERY, WalkPlan, WalkRecord};
 use std::collections::HashMap;
@@ -194,7 +197,8 @@ impl<'a> Run<'a> {
                 cells: large(cells) || settings.cells_in_texture.unwrap_or(hardware),
             },
             jitter: plan.jitter,
-            listed: matches!(goniometer.incidence, Incidence::Listed(_)),
+            incidence: incidence(goniometer),
+            exit_rings: matches!(goniometer.exit, Basis::Rings(_)),
             trace,
             kinds: tables.kinds.len() as u32,
             channels,
@@ -223,14 +227,15 @@ impl<'a> Run<'a> {
         let incident = incident_table(self.goniometer);
         let absorption = absorption_table(self.tables);
         let cells = cell_table(self.tables);
+        let rings = ring_table(self.goniometer);
         let batch = self.starts_per_batch();
         for first in (0..incident.len()).step_by(batch) {
             let starts = first..(first + batch).min(incident.len());
             let incident = &incident[starts.clone()];
             let rays = |hits: &Arc<FirstHits>| first_hit_table(self.tables, self.goniometer, hits, starts.clone());
             let first_hits = &self.plan.first_hits.as_ref().map(rays).unwrap_or_default();
-            let packed =
-                Packed { directions: &directions, cells: &cells, incident, absorption: &absorption, first_hits };
+            let (directions, cells, absorption, rings) = (&directions, &cells, &absorption, &rings);
+            let packed = Packed { directions, cells, incident, absorption, first_hits, rings };
             if first == 0 {
                 self.tune(&packed)?;
             }

@@ -118,6 +118,7 @@ pub const BINDINGS: &[(u32, u32, &str, Resource)] = &[
     (0, 9, "cells_uniform", Resource::Uniform),
     (0, 10, "cells_texture", Resource::Texture),
     (0, 11, "first_hits", Resource::Read),
+    (0, 12, "rings", Resource::Uniform),
     (1, 0, "probe_inputs", Resource::Read),
     (1, 1, "probe_outputs", Resource::ReadWrite),
 ];

@@ -3,7 +3,7 @@
 use super::layout::FirstHit;
 use crate::concentric::Patch;
 use crate::distribution::direction_of;
-use crate::goniometer::{Goniometer, Incidence};
+use crate::goniometer::{Basis, Goniometer, Incidence, MOST_RINGS};
 use crate::scene::{MAX_KINDS, Side};
 use crate::tables::{CellEntry, Kind, SamplingTables};
 use crate::walk::{FirstHits, widen};
@@ -70,11 +70,19 @@ fn extents(patch: &Patch, unit: f64) -> u32 {
     units(patch.extent.x) | units(patch.extent.y) << 12
 }
 
-/// One vector a start: the incident cell's corner on the square and the sign of z, or wi when directions are listed.
+/// One vector a start: the incident cell's corner on the square and the sign of z, or wi when directions are listed; of rings
+/// the first eighth of a turn, the least sin²θ and the extents of both.
 pub fn incident_table(goniometer: &Goniometer) -> Vec<[f32; 4]> {
     let entry = |start: usize| match &goniometer.incidence {
         Incidence::Listed(_) => goniometer.centre(start).extend(0.0).as_vec4().to_array(),
-        Incidence::Disc(disc) => {
+        Incidence::Cells(Basis::Rings(basis)) => {
+            let cell = start % basis.cells();
+            let ring = basis.ring(cell);
+            let width = 8.0 / f64::from(ring.sectors);
+            let first = width * (cell as f64 - f64::from(ring.first) - ring.shift);
+            [first, ring.edges[0], width, ring.edges[1] - ring.edges[0]].map(|value| value as f32)
+        }
+        Incidence::Cells(Basis::Disc(disc)) => {
             let corner = disc.patch(start % disc.cells()).corner;
             let sign = if goniometer.side(start) == Side::Front { 1.0 } else { -1.0 };
             [corner.x as f32, corner.y as f32, sign, 0.0]
@@ -113,6 +121,27 @@ pub fn first_hit_table(
         .flat_map(|start| first_hits.rays[start * each..(start + 1) * each].iter().map(move |ray| (ray, start)))
         .map(entry)
         .collect()
+}
+
+/// One vector an exit ring: sin²θ of its outer edge, its first cell, its cells, its shift; rings that are none lie beyond
+/// every direction.
+pub fn ring_table(goniometer: &Goniometer) -> Vec<[f32; 4]> {
+    let mut table = vec![[2.0, 0.0, 1.0, 0.0]; MOST_RINGS];
+    if let Basis::Rings(basis) = &goniometer.exit {
+        for (place, ring) in table.iter_mut().zip(basis.rings()) {
+            *place = [ring.edges[1], f64::from(ring.first), f64::from(ring.sectors), ring.shift].map(|v| v as f32);
+        }
+    }
+    table
+}
+
+/// The number of the incidence in the shaders.
+pub fn incidence(goniometer: &Goniometer) -> u32 {
+    match &goniometer.incidence {
+        Incidence::Cells(Basis::Disc(_)) => 0,
+        Incidence::Listed(_) => 1,
+        Incidence::Cells(Basis::Rings(_)) => 2,
+    }
 }
 
 /// Absorption by channel and kind, in 1/mm.

@@ -2,7 +2,7 @@
 
 use super::layout::{BLOCK, Counters, Params};
 use super::pack::by_kind;
-use crate::goniometer::{Counts, Goniometer, Incidence};
+use crate::goniometer::{Basis, Counts, Goniometer, Incidence};
 use crate::scene::{MAX_KINDS, Side};
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
@@ -19,8 +19,12 @@ pub fn params(
 ) -> Params {
     let halves = |value: u64| [value as u32, (value >> 32) as u32];
     let incident_edge = match &goniometer.incidence {
-        Incidence::Disc(disc) => 2.0 / f64::from(disc.n),
-        Incidence::Listed(_) => 0.0,
+        Incidence::Cells(Basis::Disc(disc)) => 2.0 / f64::from(disc.n),
+        Incidence::Cells(Basis::Rings(_)) | Incidence::Listed(_) => 0.0,
+    };
+    let exit_n = match &goniometer.exit {
+        Basis::Disc(disc) => disc.n,
+        Basis::Rings(basis) => basis.rings().len() as u32,
     };
     let (counts, per_edge) = tables.cells.as_ref().map_or((DVec3::ONE, DVec3::ONE), |cells| {
         (DVec3::from(cells.grid.counts.map(f64::from)), cells.grid.edges().recip())
@@ -44,7 +48,7 @@ pub fn params(
         blocks: starts.len() as u32 * walk_count.div_ceil(BLOCK),
         threshold_bits: 32 - tables.lists[0].alias.index_bits(),
         max_events: plan.max_events,
-        exit_n: goniometer.exit.n,
+        exit_n,
         exit_cells: goniometer.exit.cells() as u32,
         start_words: start_words(tables, goniometer) as u32,
         mean_free_path: (1.0 / tables.majorant) as f32,

@@ -4,11 +4,11 @@ use super::buffers::{Buffers, InTexture, Packed, Sizes, bind};
 use super::device::OpenDevice;
 use super::engine::Gpu;
 pub use super::layout::ProbeInput;
-use super::pack::{absorption_table, cell_table, direction_table, incident_table};
+use super::pack::{absorption_table, cell_table, direction_table, incidence, incident_table, ring_table};
 use super::params;
 use super::shader::Shader;
 use crate::error::Result;
-use crate::goniometer::{Goniometer, Incidence};
+use crate::goniometer::{Basis, Goniometer};
 use crate::tables::SamplingTables;
 use crate::walk::WalkPlan;
 use wgpu::BufferUsages;
@@ -48,14 +48,14 @@ impl<'a> Probe<'a> {
         device.queue.write_buffer(&input, 0, bytemuck::cast_slice(&padded));
         // Poison the output: a call that did not happen shows.
         device.queue.write_buffer(&output, 0, &vec![0xa5; calls * 16]);
-        let listed = matches!(self.goniometer.incidence, Incidence::Listed(_));
         let flag = |on: bool| f64::from(u8::from(on));
         let overrides = [
             ("TABLE_IN_TEXTURE", flag(self.in_texture)),
             ("CELLS", flag(self.tables.cells.is_some())),
             ("VISIBLE_N", self.tables.visible.as_ref().map_or(0.0, |visible| f64::from(visible.n))),
             ("CELLS_IN_TEXTURE", flag(self.in_texture)),
-            ("LISTED", flag(listed)),
+            ("INCIDENCE", f64::from(incidence(self.goniometer))),
+            ("EXIT_RINGS", flag(matches!(self.goniometer.exit, Basis::Rings(_)))),
             ("PLACEMENT", f64::from(params::placement(self.tables))),
             ("KINDS", self.tables.kinds.len() as f64),
             ("BASES", flag(self.tables.half_length.is_finite())),
@@ -82,18 +82,21 @@ impl<'a> Probe<'a> {
         let incident = incident_table(self.goniometer);
         let absorption = absorption_table(self.tables);
         let cells = cell_table(self.tables);
+        let rings = ring_table(self.goniometer);
         let packed = Packed {
             directions: &directions,
             cells: &cells,
             incident: &incident,
             absorption: &absorption,
             first_hits: &[],
+            rings: &rings,
         };
         let in_texture = InTexture { directions: self.in_texture, cells: self.in_texture };
         // Each binding must hold one item of its kind.
         let sizes = Sizes { lanes: 1, bins: 1, traces: 1 };
         let buffers = Buffers::new(device, &packed, in_texture, sizes)?;
-        let values = params::params(self.tables, self.goniometer, &WalkPlan::new(0, 1), 0..1, 0..1);
+        let starts = 0..self.goniometer.starts();
+        let values = params::params(self.tables, self.goniometer, &WalkPlan::new(0, 1), starts, 0..1);
         device.queue.write_buffer(&buffers.params, 0, bytemuck::bytes_of(&values));
         Ok(buffers.group)
     }

@@ -18,7 +18,9 @@ pub struct Shape {
     pub flush_every: u32,
     pub in_texture: InTexture,
     pub jitter: bool,
-    pub listed: bool,
+    /// As the shaders number it.
+    pub incidence: u32,
+    pub exit_rings: bool,
     pub trace: bool,
     pub kinds: u32,
     pub channels: u32,
@@ -140,7 +142,7 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 17] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 18] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -148,7 +150,8 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 17] {
         ("FLUSH_EVERY", f64::from(shape.flush_every)),
         ("TABLE_IN_TEXTURE", flag(shape.in_texture.directions)),
         ("JITTER", flag(shape.jitter)),
-        ("LISTED", flag(shape.listed)),
+        ("INCIDENCE", f64::from(shape.incidence)),
+        ("EXIT_RINGS", flag(shape.exit_rings)),
         ("TRACE", flag(shape.trace)),
         ("KINDS", f64::from(shape.kinds)),
         ("CHANNELS", f64::from(shape.channels)),

@@ -2,7 +2,7 @@
 
 use super::layout::{BLOCK, TEXTURE_BITS, UNIFORM_ENTRIES};
 use crate::error::{Error, Result};
-use crate::goniometer::{OUTCOMES, WEIGHT};
+use crate::goniometer::{MOST_RINGS, OUTCOMES, WEIGHT};
 use crate::scene::{MAX_CHANNELS, MAX_KINDS};
 use crate::walk::{MOST_REFUSALS, Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -120,6 +120,7 @@ fn constants() -> String {
         ("MAX_KINDS", MAX_KINDS as u32),
         ("MAX_CHANNELS", MAX_CHANNELS as u32),
         ("OUTCOMES", OUTCOMES as u32),
+        ("MOST_RINGS", MOST_RINGS as u32),
         ("WEIGHT", WEIGHT as u32),
         ("ROULETTE_EVERY", ROULETTE_EVERY),
         ("MOST_REFUSALS", MOST_REFUSALS),

@@ -26,6 +26,8 @@ pub struct ChosenEngine {
     pub name: &'static str,
     /// The adapter, or the number of threads.
     pub adapter: String,
+    /// Whether it runs on a graphics processor.
+    pub hardware: bool,
     /// Why this one.
     pub reason: String,
 }
@@ -75,9 +77,15 @@ fn on(gpu: Gpu, choice: EngineChoice, adapter: Option<&str>) -> ChosenEngine {
     for skipped in gpu.skipped() {
         reason += &format!("; passed over: {skipped}");
     }
-    ChosenEngine { name: "gpu", adapter: gpu.adapter(), reason, engine: Box::new(gpu) }
+    ChosenEngine {
+        name: "gpu",
+        adapter: gpu.adapter(),
+        hardware: gpu.kind() == Kind::Hardware,
+        reason,
+        engine: Box::new(gpu),
+    }
 }
 
 fn cpu(reason: String) -> ChosenEngine {
-    ChosenEngine { engine: Box::new(Reference), name: "cpu", adapter: Reference.adapter(), reason }
+    ChosenEngine { engine: Box::new(Reference), name: "cpu", adapter: Reference.adapter(), hardware: false, reason }
 }

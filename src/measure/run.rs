@@ -58,6 +58,8 @@ pub struct Measurement {
     pub clustering: Option<Clustering>,
     /// The medium against the fibers, if that was tried.
     pub against: Option<AgainstFibers>,
+    /// How the model was chosen, if a planner did.
+    pub plan: Option<serde_json::Value>,
 }
 
 /// The medium and the instrument of a scene.
@@ -244,7 +246,7 @@ pub fn run(
         walk: begun.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
     };
-    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None, against: None })
+    Ok(Measurement { goniometer: goniometer.clone(), tally, seconds, clustering: None, against: None, plan: None })
 }
 
 /// Largest resident memory of this process so far in bytes, from Linux's /proc; none on other systems.

@@ -1,7 +1,7 @@
 //! How much model a scene needs: one way to model it, a trial of that way, where its error comes from, and what accuracy costs.
 //!
 //! Computes: blocks of walks through a cloth that is modelled in a given way, timed; E between such ways and the fibers
-//! themselves, part by part; cost against error of many of them.
+//! themselves, part by part; cost against error of many of them; from pilot runs, the model that meets a tolerance soonest.
 //!
 //! Inputs: a scene; edges of cells in radii of the thinnest fiber, seeds, numbers of walks, seconds.
 //!
@@ -11,9 +11,17 @@ mod averaging;
 mod budget;
 pub mod chart;
 mod configuration;
+mod cost;
+mod pilot;
+mod planner;
+mod prior;
 mod trial;
 
 pub use averaging::{Averaged, Averaging};
 pub use budget::{AVERAGED, Blocks, Budget, BudgetPart, Deviation, Evidence, Part, refinements};
 pub use configuration::{Configuration, Extent, short};
+pub use cost::{Cost, EngineClass};
+pub use pilot::Pilot;
+pub use planner::{Candidate, Plan, candidates, plan};
+pub use prior::Belief;
 pub use trial::{BLOCKS, Block, Trial};

@@ -2,8 +2,8 @@
 
 use super::provenance::{incident, model, weave};
 use crate::error::{Error, Result};
-use crate::goniometer::{DiscBasis, Goniometer, Incidence};
-use crate::scene::{Scene, Side};
+use crate::goniometer::Goniometer;
+use crate::scene::{BasisChoice, Incident, Measure, Scene, Side};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -21,8 +21,8 @@ pub struct About {
     pub model: Value,
     /// Incident basis as the cloth file writes it.
     pub incident: Value,
-    /// N of the exit basis.
-    pub exit: u32,
+    /// Exit basis as the cloth file writes it.
+    pub exit: BasisChoice,
     /// Lit sides.
     pub sides: Vec<Side>,
     /// Names of the channels.
@@ -47,32 +47,45 @@ impl About {
         }
     }
 
-    /// Incident cells of one side.
+    /// Incident cells of one side; 0 when the incident directions are none.
     pub fn incident_cells(&self) -> usize {
-        match &self.incident {
-            Value::Array(list) => list.len(),
-            n => n.as_u64().map_or(0, |n| n.min(1 << 16).pow(2) as usize),
+        self.incidence().map_or(0, |incident| match incident {
+            Incident::Cells(basis) => basis.cells(),
+            Incident::List(angles) => angles.len(),
+        })
+    }
+
+    /// The incident directions, if they are written as this program does.
+    fn incidence(&self) -> Option<Incident> {
+        if let Value::Array(list) = &self.incident {
+            let angle = |value: &Value| value.as_f64().map(f64::to_radians);
+            let pair = |pair: &Value| Some([angle(pair.get(0)?)?, angle(pair.get(1)?)?]);
+            return list.iter().map(pair).collect::<Option<_>>().map(Incident::List);
         }
+        serde_json::from_value(self.incident.clone()).ok().map(Incident::Cells)
+    }
+
+    /// The instrument.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the incident directions are none.
+    pub fn goniometer(&self) -> Result<Goniometer> {
+        let wrong = || Error::Input(format!("{} are no incident directions", self.incident));
+        let incident = self.incidence().ok_or_else(wrong)?;
+        let measure = Measure { sides: self.sides.clone(), incident, exit: self.exit, ..Measure::default() };
+        Ok(Goniometer::new(&measure))
     }
 
     /// A word for an incident cell and side: its angles in degrees.
     pub fn start_name(&self, start: usize) -> String {
         let cells = self.incident_cells().max(1);
         let side = self.sides.get(start / cells).map_or("", |side| side.name());
-        let angles = match &self.incident {
-            Value::Array(list) => {
-                let angle = |i: usize| list.get(start % cells).and_then(|pair| pair.get(i)).and_then(Value::as_f64);
-                [angle(0).unwrap_or_default(), angle(1).unwrap_or_default()]
-            }
-            n => {
-                let n = n.as_u64().unwrap_or(1) as u32;
-                let incidence = Incidence::Disc(DiscBasis { n });
-                let exit = DiscBasis { n: self.exit };
-                let goniometer = Goniometer { incidence, exit, sides: vec![Side::Front] };
-                goniometer.angles(start % cells).map(f64::to_degrees)
-            }
+        let angles = match self.incidence() {
+            Some(Incident::List(angles)) => angles.get(start % cells).copied(),
+            _ => self.goniometer().ok().map(|goniometer| goniometer.angles(start)),
         };
-        format!("{side} θ {:.1}°, φ {:.1}°", angles[0], angles[1])
+        let [theta, phi] = angles.unwrap_or_default().map(f64::to_degrees);
+        format!("{side} θ {theta:.1}°, φ {phi:.1}°")
     }
 
     /// See that another tally is of the same bases, sides and channels.

@@ -15,4 +15,5 @@ mod tally;
 
 pub use about::About;
 pub use folder::ResultFolder;
+pub use summary::result_name;
 pub use tally::{Stored, TALLY, write_tally};

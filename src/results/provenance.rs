@@ -69,7 +69,7 @@ pub fn runs(measurement: &Measurement) -> Value {
 /// The incident basis as the cloth file writes it.
 pub fn incident(scene: &Scene) -> Value {
     match &scene.measure.incident {
-        Incident::Disc(n) => json!(n),
+        Incident::Cells(basis) => json!(basis),
         Incident::List(angles) => angles.iter().map(|pair| json!(pair.map(degrees))).collect(),
     }
 }

@@ -5,10 +5,11 @@ use crate::bsdf::{Component, Estimate, Totals, hemispherical, reciprocity, total
 use crate::measure::{Measurement, peak_bytes};
 use crate::scene::{Incident, Scene};
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, clustering, against } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering, against, plan } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -21,7 +22,7 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             // A listed direction keeps the angles that it was given by.
             let [theta, phi] = match &scene.measure.incident {
                 Incident::List(angles) => angles[start % cells],
-                Incident::Disc(_) => goniometer.angles(start),
+                Incident::Cells(_) => goniometer.angles(start),
             };
             entry["theta_deg"] = json!(degrees(theta));
             entry["phi_deg"] = json!(degrees(phi));
@@ -65,10 +66,20 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             "medium": of(against.medium),
         });
     }
+    if let Some(plan) = plan {
+        value["plan"] = plan.clone();
+    }
     if let Some(clustering) = clustering {
         value["realizations"] = json!(clustering);
     }
     format!("{value:#}\n")
+}
+
+/// The name of the cloth that a result folder's summary says.
+pub fn result_name(folder: &Path) -> Option<String> {
+    let text = std::fs::read(folder.join("summary.json")).ok()?;
+    let summary: Value = serde_json::from_slice(&text).ok()?;
+    summary["name"].as_str().map(String::from)
 }
 
 /// Whether the light adds up and takes the same way back.

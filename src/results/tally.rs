@@ -2,6 +2,7 @@
 
 use super::about::About;
 use super::exr::{layer, write_parts};
+use crate::bsdf::Bsdf;
 use crate::error::{Error, Result};
 use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Straight, Tally, Weights};
 use exr::prelude::*;
@@ -53,6 +54,14 @@ impl Stored {
         self.tally.merge(&other.tally)
     }
 
+    /// The table of the tally.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the incident directions are none.
+    pub fn bsdf(&self) -> Result<Bsdf> {
+        Ok(Bsdf::new(&self.tally, &self.about.goniometer()?, &self.about.channels))
+    }
+
     /// Read a `tally.exr`, or that of a result folder.
     ///
     /// # Errors
@@ -88,8 +97,8 @@ impl Stored {
         find: &dyn Fn(&str, &str) -> Option<Vec<u32>>,
     ) -> std::result::Result<Stored, String> {
         let Attribute { about, unit, counts, walks, straight } = attribute;
-        let (cells, exits) = (about.incident_cells(), (about.exit as usize).pow(2));
-        if !walks.is_sound() || about.sides.is_empty() || about.channels.is_empty() || cells == 0 || about.exit > 4096 {
+        let (cells, exits) = (about.incident_cells(), about.exit.cells());
+        if !walks.is_sound() || about.sides.is_empty() || about.channels.is_empty() || cells == 0 {
             return Err("attribute `fiberwalk` contradicts itself".into());
         }
         let weighed = unit > 1;
@@ -163,7 +172,7 @@ pub fn write_tally(file: &mut File, about: &About, tally: &Tally) -> io::Result<
     };
     // A JSON value has its keys sorted.
     let text = serde_json::to_value(attribute)?.to_string();
-    let size = (about.exit.pow(2) as usize, about.incident_cells());
+    let size = (about.exit.cells(), about.incident_cells());
     write_parts(file, size, parts(about, tally, &text))
 }
 

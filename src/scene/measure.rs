@@ -1,6 +1,7 @@
 //! `[measure]`: how the cloth is measured.
 
 use super::absorption::{MAX_CHANNELS, WAVELENGTH};
+use super::basis::BasisChoice;
 use super::reader::{Allowed, Document, Table, Value};
 use crate::error::Result;
 use serde::{Deserialize, Serialize};
@@ -9,8 +10,8 @@ use toml::de::DeValue;
 /// Incident directions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Incident {
-    /// N × N cells of the disc basis.
-    Disc(u32),
+    /// Cells of a basis; light is uniform in projected solid angle inside its cell.
+    Cells(BasisChoice),
     /// Collimated directions (θ, φ) in radians.
     List(Vec<[f64; 2]>),
 }
@@ -44,16 +45,19 @@ pub struct Measure {
     pub wavelengths: Vec<f64>,
     /// Incident directions of each lit side.
     pub incident: Incident,
-    /// N of the disc basis of exit cells.
-    pub exit: u32,
+    /// Exit cells of each hemisphere.
+    pub exit: BasisChoice,
 }
 
 impl Default for Measure {
     fn default() -> Measure {
-        Measure { sides: vec![Side::Front], wavelengths: Vec::new(), incident: Incident::Disc(8), exit: 16 }
+        let (incident, exit) = (Incident::Cells(BasisChoice::Disc(8)), BasisChoice::Disc(16));
+        Measure { sides: vec![Side::Front], wavelengths: Vec::new(), incident, exit }
     }
 }
 
+/// Most incident cells or directions of one side.
+const MOST_INCIDENT: usize = 4096;
 const KEYS: [&str; 4] = ["sides", "incident", "exit", "wavelengths_nm"];
 
 impl Measure {
@@ -83,11 +87,7 @@ impl Measure {
             "sides" => self.sides = read_sides(value)?,
             "wavelengths_nm" => self.wavelengths = read_wavelengths(value)?,
             "incident" => self.incident = read_incident(value)?,
-            _ => {
-                let what = "the N of an N×N disc basis, a whole number from 1 to 256";
-                refuse_planned_basis(value, what)?;
-                self.exit = value.integer(1, 256, what)?;
-            }
+            _ => self.exit = read_exit(value)?,
         }
         Ok(())
     }
@@ -125,12 +125,21 @@ fn read_wavelengths(value: &Value) -> Result<Vec<f64>> {
     }
 }
 
+fn read_exit(value: &Value) -> Result<BasisChoice> {
+    let what = "the N of an N×N disc basis, a whole number from 1 to 256, \"klems\", or rings × sectors such as \"polar:18x36\", \
+                at most 90 × 360";
+    read_basis(value, 256, what)
+}
+
 fn read_incident(value: &Value) -> Result<Incident> {
-    let what = "the N of an N×N disc basis, a whole number from 1 to 64, or a list of directions [[theta, phi], …]";
-    refuse_planned_basis(value, what)?;
-    let Some(items) = value.as_array() else { return Ok(Incident::Disc(value.integer(1, 64, what)?)) };
-    if items.is_empty() || items.len() > 4096 {
-        return Err(value.error(format!("`incident` lists {} directions; allowed: 1 to 4096", items.len())));
+    let what = "the N of an N×N disc basis, a whole number from 1 to 64, \"klems\", rings × sectors such as \"polar:18x36\", \
+                at most 4096 cells, or a list of directions [[theta, phi], …]";
+    let Some(items) = value.as_array() else {
+        let basis = read_basis(value, 64, what)?;
+        return if basis.cells() > MOST_INCIDENT { Err(value.expected(what)) } else { Ok(Incident::Cells(basis)) };
+    };
+    if items.is_empty() || items.len() > MOST_INCIDENT {
+        return Err(value.error(format!("`incident` lists {} directions; allowed: 1 to {MOST_INCIDENT}", items.len())));
     }
     let directions = items.iter().map(|item| {
         let pair = item.as_array().filter(|pair| pair.len() == 2);
@@ -142,11 +151,10 @@ fn read_incident(value: &Value) -> Result<Incident> {
     Ok(Incident::List(directions.collect::<Result<_>>()?))
 }
 
-fn refuse_planned_basis(value: &Value, what: &str) -> Result<()> {
+/// A basis by its word, or the N of a disc basis.
+fn read_basis(value: &Value, most: u32, what: &str) -> Result<BasisChoice> {
     match value.as_string() {
-        Some(word) if word == "klems" || word.starts_with("polar:") => {
-            Err(value.expected(&format!("{what}; this basis is not available yet")))
-        }
-        _ => Ok(()),
+        Some(word) => BasisChoice::from_word(word).ok_or_else(|| value.expected(what)),
+        None => Ok(BasisChoice::Disc(value.integer(1, most, what)?)),
     }
 }

@@ -7,6 +7,7 @@
 //! Differs from the paper: nothing; the paper does not say how its input is written.
 
 mod absorption;
+mod basis;
 mod draft;
 mod flyaways;
 mod knit;
@@ -22,6 +23,7 @@ mod wif;
 mod yarn;
 
 pub use absorption::{Absorption, Channels, MAX_CHANNELS};
+pub use basis::BasisChoice;
 pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
 pub use knit::{Knit, Stitch, THINNEST};
 pub use load::{Scene, Source};

@@ -99,6 +99,9 @@ pub struct Model {
     /// Whether that was asked for; if not, it goes by the packing.
     #[serde(skip)]
     pub placement_chosen: bool,
+    /// Whether any setting was asked for that a planner would choose: all but the packing and the length of fibers.
+    #[serde(skip)]
+    pub chosen: bool,
     /// Where the share of the light comes from that touches no fiber.
     pub direct: Direct,
     /// What walks meet first.
@@ -140,6 +143,7 @@ impl Default for Model {
             tracking: Tracking::NullCollision,
             placement: Placement::AtHit,
             placement_chosen: false,
+            chosen: false,
             direct: Direct::Walks,
             first_hit: FirstHit::Medium,
             packing: Packing::Random,
@@ -218,6 +222,7 @@ impl Model {
     }
 
     fn set(&mut self, key: &str, value: &Value) -> Result<()> {
+        self.chosen |= !["packing", "length_over_radius"].contains(&key);
         match key {
             "tracking" => {
                 let words = [("null-collision", Tracking::NullCollision), ("tabulated", Tracking::Tabulated)];

@@ -60,6 +60,8 @@ pub struct Cloth {
     pub placement: &'static str,
     pub incident: String,
     pub exit: u32,
+    /// A named exit basis in place of the disc's.
+    pub exit_basis: Option<&'static str>,
 }
 
 impl Kind {
@@ -104,6 +106,7 @@ impl Cloth {
             placement: "at-hit",
             incident: "8".into(),
             exit: 16,
+            exit_basis: None,
         }
     }
 
@@ -114,6 +117,11 @@ impl Cloth {
 
     pub fn lit_from(self, incident: &str) -> Cloth {
         Cloth { incident: incident.into(), ..self }
+    }
+
+    /// The same sheet, with a named basis of exit cells.
+    pub fn counted_in(self, exit: &'static str) -> Cloth {
+        Cloth { exit_basis: Some(exit), ..self }
     }
 
     /// The same sheet, tracked by tables.
@@ -129,7 +137,8 @@ impl Cloth {
     /// The file's text.
     pub fn toml(&self) -> String {
         let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, placement, .. } = self;
-        let Cloth { incident, exit, sides, .. } = self;
+        let Cloth { incident, sides, .. } = self;
+        let exit = self.exit_basis.map_or_else(|| self.exit.to_string(), |name| format!("{name:?}"));
         let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
             format!("[fiber.{name}]\nradius_um = {radius}\nior = {ior}\nabsorption_per_mm = {absorption}\n")
         };

@@ -87,7 +87,7 @@ mod tests {
         let chart = Chart {
             cloth: "cloth".into(),
             incident: String::new(),
-            exit: 8,
+            exit: "8 × 8".into(),
             starts: 1,
             seed: 1,
             engines: vec![],

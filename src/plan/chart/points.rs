@@ -10,7 +10,7 @@ use super::series::Series;
 use super::state::Head;
 use crate::bsdf::{Estimate, block_noise};
 use crate::error::Result;
-use crate::scene::{Direct, FirstHit, Packing, Placement, Scene, Tracking};
+use crate::scene::{BasisChoice, Direct, FirstHit, Packing, Placement, Scene, Tracking};
 use serde::Serialize;
 
 /// One point of a chart.
@@ -92,8 +92,8 @@ pub struct Chart {
     pub cloth: String,
     /// Directions of light in words, and exit cells along an edge of the disc.
     pub incident: String,
-    /// N of the exit basis.
-    pub exit: u32,
+    /// Exit cells of each side, in words.
+    pub exit: String,
     /// Number of starts: incident cells of all lit sides.
     pub starts: usize,
     /// Seed of the walks.
@@ -143,7 +143,10 @@ impl Chart {
         Ok(Some(Chart {
             cloth: scene.name.clone(),
             incident: about.about.incident.to_string(),
-            exit: scene.measure.exit,
+            exit: match scene.measure.exit {
+                BasisChoice::Disc(n) => format!("{n} × {n}"),
+                other => other.to_string(),
+            },
             starts,
             seed: about.seed,
             engines: about.engines.clone(),

@@ -196,10 +196,9 @@ fn made(chart: &Chart) -> String {
         count => format!(" {count} more ways were left for want of time: a larger --time goes on with them."),
     };
     format!(
-        "Light from {} degrees (θ, φ), {} × {} exit cells on each side, seed {}. Engines: {}. All are held against {}, {} walks of each \
+        "Light from {} degrees (θ, φ), {} exit cells on each side, seed {}. Engines: {}. All are held against {}, {} walks of each \
          direction with a noise of {}. The chart took {}. A * marks more walks than were made.{rest} chart.csv has all numbers.",
         chart.incident,
-        chart.exit,
         chart.exit,
         chart.seed,
         engines.collect::<Vec<_>>().join("; "),

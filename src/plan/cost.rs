@@ -1,0 +1,78 @@
+//! What events cost, in round numbers that were measured once: plans made with them are the same whenever they are made.
+
+use super::pilot::Pilot;
+use crate::measure::ChosenEngine;
+use crate::scene::{Scene, Structure};
+use serde::Serialize;
+
+/// What sends walks through a medium.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EngineClass {
+    /// The f64 engine on all threads.
+    Cpu,
+    /// The kernel on a software adapter.
+    SoftwareGpu,
+    /// The kernel on a graphics processor; its figure is an estimate, since none was measured.
+    HardwareGpu,
+}
+
+impl EngineClass {
+    /// Of an engine that was chosen.
+    pub fn of(engine: &ChosenEngine) -> EngineClass {
+        match (engine.name, engine.hardware) {
+            ("cpu", _) => EngineClass::Cpu,
+            (_, false) => EngineClass::SoftwareGpu,
+            (_, true) => EngineClass::HardwareGpu,
+        }
+    }
+}
+
+/// Nanoseconds of a core, on an AMD EPYC at rest (README, How fast); those of a sheet, whose fibers are not sorted along yarns, are
+/// the second.
+const PIECE_TESTED: [f64; 2] = [32.0, 80.0];
+const PIECE_DRAWN: f64 = 1500.0;
+/// Realizations that a medium is counted from, and times that counting takes as long as drawing.
+const COUNTED: f64 = 40.0;
+const COUNTING: f64 = 3.0;
+
+/// Nanoseconds and threads of this machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Seconds of a tentative event in a medium.
+    pub event: f64,
+    /// Seconds of a test of a piece of a fiber, all threads at work.
+    pub test: f64,
+    /// Seconds of drawing a piece.
+    pub piece: f64,
+}
+
+impl Cost {
+    /// Of a scene on an engine.
+    pub fn of(scene: &Scene, engine: EngineClass) -> Cost {
+        let cells = !matches!(scene.structure, Structure::Sheet(_));
+        let threads = rayon::current_num_threads() as f64;
+        let event = match (engine, cells) {
+            (EngineClass::Cpu, false) => 180.0 / threads,
+            (EngineClass::Cpu, true) => 300.0 / threads,
+            (EngineClass::SoftwareGpu, false) => 20.0 / threads,
+            (EngineClass::SoftwareGpu, true) => 45.0 / threads,
+            (EngineClass::HardwareGpu, _) => 0.2,
+        };
+        Cost {
+            event: 1e-9 * event,
+            test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
+            piece: 1e-9 * PIECE_DRAWN / threads,
+        }
+    }
+
+    /// Seconds of the realizations of a pilot.
+    pub fn drawing(&self, pieces: usize, realizations: u64) -> f64 {
+        self.piece * pieces as f64 * realizations as f64
+    }
+
+    /// Seconds of counting a medium.
+    pub fn counting(&self, pilot: &Pilot) -> f64 {
+        self.piece * pilot.pieces as f64 * COUNTED * (1.0 + COUNTING)
+    }
+}

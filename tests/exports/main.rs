@@ -1,0 +1,15 @@
+//! Files that the program writes, read back by programs that share no code with it: OpenEXR's library, Radiance, Mitsuba.
+
+#[path = "../program/mod.rs"]
+mod program;
+
+mod bsdf_exr;
+mod colours;
+mod command;
+mod made;
+mod measured;
+mod mitsuba;
+mod python;
+mod radiance;
+mod slices;
+mod text;

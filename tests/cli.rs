@@ -221,7 +221,8 @@ fn a_run_stops_at_its_tolerance_and_when_nothing_scatters() {
     let folder = tempfile::tempdir().expect("a folder");
     let (output, summary) = measure(folder.path(), &["nonwoven", "--tolerance", "20%"]);
     assert!(
-        text(&output.stderr).contains("stop: at a noise of 20 % of the scattered light"),
+        text(&output.stderr).contains("for a tolerance of 20.000 %")
+            && text(&output.stderr).contains("stop: at a noise of 19."),
         "{}",
         text(&output.stderr)
     );

@@ -31,7 +31,8 @@ const OF_PILOTS: u64 = 1 << 41;
 pub struct Pilot {
     scene: Scene,
     goniometer: Goniometer,
-    realizations: Arc<Vec<Realization>>,
+    /// Those of the blocks, where a medium's walks first meet them.
+    realizations: Vec<Realization>,
     fibers: Vec<Tally>,
     /// Pieces that a walk through the fibers is tested against.
     pub tests_a_walk: f64,
@@ -56,49 +57,31 @@ impl Pilot {
         scene.measure.set_from_flag("exit", EXIT)?;
         let goniometer = Goniometer::new(&scene.measure);
         let realizer = Realizer::new(&scene, scene.model.packing)?;
-        let draw = |number| realizer.draw(OF_PILOTS + number);
-        let realizations: Arc<Vec<Realization>> =
-            Arc::new((0..BLOCKS).into_par_iter().map(draw).collect::<Result<_>>()?);
-        let pieces = realizations.iter().map(|drawn| drawn.pieces().len()).max().unwrap_or_default();
-        let mut pilot = Pilot {
-            scene,
-            goniometer,
-            realizations,
-            fibers: Vec::new(),
-            tests_a_walk: 0.0,
-            pieces,
-            noise_of_one: f64::INFINITY,
+        // What a walk costs, a few through the first realization tell.
+        let first = realizer.draw(OF_PILOTS)?;
+        let pieces = first.pieces().len();
+        let few = walk_fibers(&scene, &goniometer, first, WalkPlan::new(!seed, FIRST))?;
+        let tests_a_walk = few.counts.tentative_events as f64 / few.counts.launched as f64;
+        let of_block = (walks(tests_a_walk) / (BLOCKS as f64 * goniometer.starts() as f64)) as u64;
+        let of_block = of_block.clamp(FIRST, MOST);
+        let kept = scene.model.first_hit == FirstHit::Fibers;
+        let block = |number: u64| {
+            let realization = realizer.draw(OF_PILOTS + number)?;
+            let own = kept.then(|| realization.clone());
+            let plan = WalkPlan { first: number * OF_BLOCK + FIRST, ..WalkPlan::new(!seed, of_block) };
+            Ok((walk_fibers(&scene, &goniometer, realization, plan)?, own))
         };
-        let first = pilot.walk_fibers(seed, 0, FIRST)?;
-        let more = (walks(pilot.tests_a_walk) / (BLOCKS as f64 * pilot.goniometer.starts() as f64)) as u64;
-        pilot.fibers = match more.min(MOST) {
-            0..FIRST => first,
-            more => pilot.walk_fibers(seed, FIRST, more)?,
-        };
-        let walks = pilot.fibers[0].walks_per_incident() * BLOCKS;
-        pilot.noise_of_one = block_noise(&pilot.fibers)?.value * (walks as f64).sqrt();
-        Ok(pilot)
+        let blocks: Vec<(Tally, Option<Realization>)> =
+            (0..BLOCKS).into_par_iter().map(block).collect::<Result<_>>()?;
+        let (fibers, own): (Vec<Tally>, Vec<Option<Realization>>) = blocks.into_iter().unzip();
+        let noise_of_one = block_noise(&fibers)?.value * ((of_block * BLOCKS) as f64).sqrt();
+        let realizations = own.into_iter().flatten().collect();
+        Ok(Pilot { scene, goniometer, realizations, fibers, tests_a_walk, pieces, noise_of_one })
     }
 
     /// Walks of each direction in all blocks.
     pub fn walks(&self) -> u64 {
         self.fibers.iter().map(|block| block.walks_per_incident()).sum()
-    }
-
-    /// Walk through the fibers, realization by realization.
-    fn walk_fibers(&mut self, seed: u64, first: u64, walks: u64) -> Result<Vec<Tally>> {
-        let block = |number: u64| {
-            let own = self.realizations.clone();
-            let draw = move |_| Ok(own[number as usize].clone());
-            let explicit = Explicit::drawn(&self.scene, Some(usize::MAX >> 1), draw)?;
-            let plan = WalkPlan { first: number * OF_BLOCK + first, ..WalkPlan::new(!seed, walks) };
-            explicit.run(&self.goniometer, &plan, &mut |_| {})
-        };
-        let blocks: Vec<Tally> = (0..BLOCKS).into_par_iter().map(block).collect::<Result<_>>()?;
-        let made = BLOCKS * walks * self.goniometer.starts() as u64;
-        let tests: u64 = blocks.iter().map(|block| block.counts.tentative_events).sum();
-        self.tests_a_walk = tests as f64 / made as f64;
-        Ok(blocks)
     }
 
     /// Walk through a medium as often as through the fibers: its distance from them, and the tentative events of a walk.
@@ -107,12 +90,11 @@ impl Pilot {
     /// Those of [`Engine::run`].
     pub fn try_medium(&self, tables: &SamplingTables, engine: &dyn Engine, seed: u64) -> Result<(Distance, f64)> {
         let rays = StraightRays::new(&self.scene, &self.goniometer);
-        let on_fibers = self.scene.model.first_hit == FirstHit::Fibers;
         let walks = self.fibers[0].walks_per_incident();
         let mut blocks = Vec::new();
-        for (number, realization) in (0..).zip(self.realizations.iter()) {
-            let first_hits =
-                if on_fibers { Some(Arc::new(rays.of_one(number, realization, walks as usize)?)) } else { None };
+        for number in 0..BLOCKS {
+            let of_one = |realization| rays.of_one(number, realization, walks as usize).map(Arc::new);
+            let first_hits = self.realizations.get(number as usize).map(of_one).transpose()?;
             let plan = WalkPlan { first: number * OF_BLOCK, first_hits, ..WalkPlan::new(seed, walks) };
             blocks.push(engine.run(tables, &self.goniometer, &plan, &mut |_| {})?);
         }
@@ -120,4 +102,10 @@ impl Pilot {
         let events = blocks.iter().map(|block| block.counts.tentative_events).sum::<u64>() as f64;
         Ok((distance(&blocks, &self.fibers)?, events / made))
     }
+}
+
+/// Walk through the fibers of one realization.
+fn walk_fibers(scene: &Scene, goniometer: &Goniometer, drawn: Realization, plan: WalkPlan) -> Result<Tally> {
+    let explicit = Explicit::drawn(scene, Some(usize::MAX >> 1), move |_| Ok(drawn.clone()))?;
+    explicit.run(goniometer, &plan, &mut |_| {})
 }

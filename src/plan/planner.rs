@@ -305,6 +305,10 @@ impl Planner<'_> {
         // Where nothing is expected to meet it, come as near as can be.
         let error = |one: &&Candidate| one.model_error.value;
         let nearest = || judged.iter().min_by(|a, b| error(a).total_cmp(&error(b)));
+        // Where nothing is scattered, no walks bring the noise down.
+        if pilot.noise_of_one.is_infinite() {
+            return self.judge(&Configuration::of(self.scene, self.extent), pilot, tried);
+        }
         let usual = || self.judge(&Configuration::of(self.scene, self.extent), pilot, tried);
         fair.or_else(nearest).cloned().unwrap_or_else(usual)
     }
@@ -338,6 +342,9 @@ fn reason(chosen: &Candidate, all: &[Candidate]) -> String {
             ),
             None => format!("the error of {}, {}, does not fit into the tolerance", best.name, told(best.model_error)),
         });
+    }
+    if chosen.walk_seconds.is_some_and(f64::is_infinite) {
+        return "pilots found no scattered light".into();
     }
     let known = if chosen.tried { "by a pilot" } else { "as known of other cloths" };
     let Some(noise) = chosen.noise else {

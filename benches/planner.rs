@@ -1,0 +1,118 @@
+//! Whether plans meet their tolerance and what they cost: `cargo bench --bench planner -- [PRESET...]`, all presets without words.
+//!
+//! For each preset every configuration of the planner's list is held against the fibers themselves, with E and its standard error from
+//! independent blocks of walks and the seconds of a walk. A row is a plan: what was chosen, its E as found here, the noise
+//! that it leaves, both together, and the cost of its walks over that of the cheapest configuration of the list that
+//! truly meets the tolerance: events × measured nanoseconds × walks until the noise that is left. Then the seconds of the pilots.
+//! The output is Markdown.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use fiberwalk::bsdf::{Distance, distance};
+use fiberwalk::error::Result;
+use fiberwalk::goniometer::Tally;
+use fiberwalk::plan::{Configuration, EngineClass, Extent, Trial, candidates, plan};
+use fiberwalk::scene::{Medium, PRESETS, Scene, Source};
+
+/// Directions (θ, φ) in degrees, none in a plane in which yarns lie.
+const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
+const EXIT: &str = "8";
+const TOLERANCES: [f64; 3] = [0.1, 0.05, 0.02];
+/// Walks of each direction and block.
+const WALKS: u64 = 8192;
+/// Walks of each direction through one realization of the fibers.
+const EACH: u64 = 512;
+
+/// A configuration as it was found.
+struct Found {
+    configuration: Configuration,
+    distance: Distance,
+    seconds_a_walk: f64,
+}
+
+impl Found {
+    /// Cost of the walks that bring the noise to what is left of a tolerance; none if nothing is left.
+    fn cost(&self, tolerance: f64) -> Option<f64> {
+        let left = tolerance * tolerance - self.distance.square.max(0.0);
+        (left > 0.0).then(|| self.seconds_a_walk / left)
+    }
+}
+
+fn main() -> Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    println!("Light from {DIRECTIONS}; exit cells {EXIT} × {EXIT} on each side.\n");
+    println!("| preset | tolerance % | plan | E % | noise % | both % | met | cost over the cheapest | pilots s |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let named = |name: &str| words.is_empty() || words.iter().any(|word| word == name);
+    for (name, _) in PRESETS.into_iter().filter(|(name, _)| named(name)) {
+        if let Err(error) = study(name) {
+            println!("| {name} | {error} ||||||||");
+        }
+    }
+    Ok(())
+}
+
+fn study(name: &str) -> Result<()> {
+    let mut scene = Scene::parse(&Source::find(name)?)?;
+    scene.measure.set_from_flag("incident", DIRECTIONS)?;
+    scene.measure.set_from_flag("exit", EXIT)?;
+    let extent = Extent::of(&scene)?;
+    let fibers = blocks(&scene, &extent, Configuration::fibers(&scene, EACH))?;
+    let mut list = Vec::new();
+    for configuration in candidates(&scene, &extent) {
+        let explicit = configuration.model.medium == Medium::Explicit;
+        // The fibers are held against themselves by definition.
+        let (found, seconds_a_walk) = if explicit {
+            (None, fibers.1)
+        } else {
+            blocks(&scene, &extent, configuration).map(|(tallies, seconds)| (Some(tallies), seconds))?
+        };
+        let distance = found.map_or(Ok(Distance::default()), |found| distance(&found, &fibers.0))?;
+        list.push(Found { configuration, distance, seconds_a_walk });
+    }
+    for tolerance in TOLERANCES {
+        let engine = (common::gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);
+        let (plan, _) = plan(&scene, &extent, tolerance, engine, 1, true)?;
+        let Some(chosen) = list.iter().find(|one| one.configuration.name() == plan.chosen) else { continue };
+        let estimate = chosen.distance.estimate();
+        let both = |square: f64| (plan.noise.powi(2) + square.max(0.0)).sqrt();
+        let [low, middle] = [-2.0, 0.0].map(|z| both(chosen.distance.square + z * chosen.distance.square_error));
+        let cost = |one: &&Found| one.cost(tolerance).unwrap_or(f64::INFINITY);
+        let cheapest = list.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let ratio = cheapest.map_or(String::new(), |cheapest| {
+            let own = chosen.seconds_a_walk / plan.noise.powi(2);
+            format!("{:.2} ({})", own / cost(&cheapest), cheapest.configuration.name())
+        });
+        println!(
+            "| {name} | {:.0} | {} | {:.1} ± {:.1} | {:.1} | {:.1} | {} | {ratio} | {:.1} |",
+            100.0 * tolerance,
+            plan.chosen,
+            100.0 * estimate.value,
+            100.0 * estimate.stderr,
+            100.0 * plan.noise,
+            100.0 * middle,
+            if middle <= tolerance {
+                "yes"
+            } else if low <= tolerance {
+                "within its error"
+            } else {
+                "no"
+            },
+            plan.pilot_seconds,
+        );
+    }
+    Ok(())
+}
+
+/// Blocks of walks, and the seconds of a walk: events by the nanoseconds of one.
+fn blocks(scene: &Scene, extent: &Extent, configuration: Configuration) -> Result<(Vec<Tally>, f64)> {
+    let trial = Trial::prepare(scene, extent, configuration)?;
+    let blocks = trial.blocks(common::gpu(), trial.configuration().seed(1), 0, WALKS)?;
+    let walks: u64 = blocks.iter().map(|block| block.tally.counts.launched).sum();
+    // The median block, since others may use the machine.
+    let mut seconds: Vec<f64> = blocks.iter().map(|block| block.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let seconds = seconds[seconds.len() / 2] * blocks.len() as f64;
+    Ok((blocks.into_iter().map(|block| block.tally).collect(), seconds / walks as f64))
+}

@@ -2,19 +2,18 @@
 
 use super::budget::AVERAGED;
 use super::configuration::Extent;
+use super::stretches::{KeptBanks, stretches};
 use super::trial::{BLOCKS, Trial};
 use crate::bsdf::{Distance, distance_of, scattered};
 use crate::cloth::{Realization, Realizer};
 use crate::distribution::{Effort, SpecificLength};
 use crate::error::Result;
-use crate::explicit::Banks;
 use crate::goniometer::{Goniometer, Straight, Tally};
 use crate::measure::Prepared;
 use crate::scene::Scene;
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// What media of single realizations say of averaging.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +35,7 @@ pub struct Averaging {
     mean: SamplingTables,
     goniometer: Goniometer,
     straight: Option<Vec<Straight>>,
-    first_hits: Option<Arc<Banks>>,
+    first_hits: Option<KeptBanks>,
 }
 
 impl Averaging {
@@ -59,7 +58,13 @@ impl Averaging {
         let singles = (0..drawn.len()).map(|number| tables(2, &|_| number)).collect::<Result<_>>()?;
         let mean = tables(realizations, &|number| number as usize)?;
         let (goniometer, straight) = (prepared.goniometer.clone(), prepared.straight.clone());
-        Ok(Some(Averaging { singles, mean, goniometer, straight, first_hits: prepared.first_hits.clone() }))
+        Ok(Some(Averaging {
+            singles,
+            mean,
+            goniometer,
+            straight,
+            first_hits: prepared.first_hits.clone().map(KeptBanks::new),
+        }))
     }
 
     /// Of a trial of a medium, what [`Averaging::measure`] finds, with the first [`AVERAGED`] realizations; or why there is none.
@@ -91,27 +96,34 @@ impl Averaging {
     /// Those of [`Engine::run`] and [`distance_of`].
     pub fn measure(&self, engine: &dyn Engine, seed: u64, walks: u64, fibers: &[Tally]) -> Result<Averaged> {
         let each = walks.div_ceil(self.singles.len() as u64);
-        let run = |tables: &SamplingTables, first: u64, walks: u64| -> Result<Tally> {
-            let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-            let first_hits = self.first_hits.as_deref().map(|banks| banks as &dyn FirstHitBanks);
+        let span = self.first_hits.as_ref().map_or(u64::MAX, KeptBanks::span);
+        let first_hits = self.first_hits.as_ref().map(|banks| banks as &dyn FirstHitBanks);
+        let light = |tables: &SamplingTables, block: u64, made: u64, walks: u64| -> Result<Vec<f64>> {
             let medium = Implicit { engine, tables, straight: self.straight.as_deref(), first_hits };
-            let tally = medium.run(&self.goniometer, &plan, &mut |_| {})?;
-            tally.check(walks)?;
-            Ok(tally)
+            let mut whole: Option<Tally> = None;
+            for (first, walks) in stretches(span, block, made, walks) {
+                let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+                let tally = medium.run(&self.goniometer, &plan, &mut |_| {})?;
+                tally.check(walks)?;
+                match &mut whole {
+                    Some(whole) => whole.merge(&tally)?,
+                    None => whole = Some(tally),
+                }
+            }
+            Ok(whole.as_ref().map(scattered).unwrap_or_default())
         };
         let (mut apart, mut together) = (Vec::new(), Vec::new());
-        let mut next = 0;
-        for _ in 0..BLOCKS {
-            let mut light: Vec<f64> = Vec::new();
+        for block in 0..BLOCKS {
+            let mut mean: Vec<f64> = Vec::new();
+            let mut made = 0;
             for tables in &self.singles {
-                let part = scattered(&run(tables, next, each)?);
-                next += each;
-                light.resize(part.len(), 0.0);
-                light.iter_mut().zip(&part).for_each(|(sum, part)| *sum += part / self.singles.len() as f64);
+                let part = light(tables, block, made, each)?;
+                made += each;
+                mean.resize(part.len(), 0.0);
+                mean.iter_mut().zip(&part).for_each(|(sum, part)| *sum += part / self.singles.len() as f64);
             }
-            apart.push(light);
-            together.push(scattered(&run(&self.mean, next, walks)?));
-            next += walks;
+            apart.push(mean);
+            together.push(light(&self.mean, block, made, walks)?);
         }
         let fibers: Vec<Vec<f64>> = fibers.iter().map(scattered).collect();
         Ok(Averaged { of_mean: distance_of(&apart, &together)?, of_fibers: distance_of(&apart, &fibers)? })

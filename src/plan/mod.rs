@@ -15,6 +15,7 @@ mod cost;
 mod pilot;
 mod planner;
 mod prior;
+mod stretches;
 mod trial;
 
 pub use averaging::{Averaged, Averaging};

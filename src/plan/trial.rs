@@ -1,20 +1,19 @@
 //! A configuration, ready to be walked through.
 
 use super::configuration::{Configuration, Extent};
+use super::stretches::{KeptBanks, OF_BLOCK, stretches};
 use crate::cloth::Realizer;
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
 use crate::measure::{Prepared, prepare};
 use crate::scene::{Medium, Scene};
-use crate::walk::{Engine, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// Blocks of walks that a trial is judged by.
 pub const BLOCKS: u64 = 8;
-/// Numbers of walks, of each start, that a block has for its own.
-const OF_BLOCK: u64 = 1 << 32;
 /// Realizations that the fibers themselves never see, since media are counted from them.
 const OF_MEDIA: u64 = 1 << 40;
 
@@ -30,7 +29,7 @@ pub struct Block {
 
 /// What light goes through.
 enum Body {
-    Medium(Box<Prepared>),
+    Medium(Box<Prepared>, Option<KeptBanks>),
     Fibers(Box<Explicit>),
 }
 
@@ -56,7 +55,11 @@ impl Trial {
         let started = Instant::now();
         let mut drawing = 0.0;
         let body = match configuration.model.medium {
-            Medium::Implicit => Body::Medium(Box::new(prepare(&scene)?)),
+            Medium::Implicit => {
+                let prepared = prepare(&scene)?;
+                let banks = prepared.first_hits.clone().map(KeptBanks::new);
+                Body::Medium(Box::new(prepared), banks)
+            }
             Medium::Explicit => {
                 let realizer = Realizer::new(&scene, scene.model.packing)?;
                 let through = configuration.each.map(|each| each as usize * goniometer.starts());
@@ -82,7 +85,7 @@ impl Trial {
     /// The medium; none where light goes through the fibers themselves.
     pub fn medium(&self) -> Option<&Prepared> {
         match &self.body {
-            Body::Medium(prepared) => Some(prepared),
+            Body::Medium(prepared, _) => Some(prepared),
             Body::Fibers(_) => None,
         }
     }
@@ -97,11 +100,19 @@ impl Trial {
         self.drawing
     }
 
+    /// What more rays to first hits cost once those that were ready with the medium have served: walks of each start that are
+    /// served by these, walks of each start that a further bank of rays serves, and the seconds that it takes. None where
+    /// there is no such bank, or none was made yet.
+    pub fn rays(&self) -> Option<(u64, u64, f64)> {
+        let Body::Medium(_, Some(banks)) = &self.body else { return None };
+        Some((banks.ready().saturating_mul(banks.span()), banks.span(), banks.seconds()?))
+    }
+
     /// Memory in bytes of what light goes through: the tables of a medium and the rays that find first hits, or one realization of the fibers, of which each
     /// thread has one.
     pub fn bytes(&self) -> usize {
         match &self.body {
-            Body::Medium(prepared) => {
+            Body::Medium(prepared, _) => {
                 let rays = prepared.first_hits.as_ref().map_or(0, |_| StraightRays::bytes(self.goniometer.starts()));
                 prepared.tables.bytes() + rays
             }
@@ -112,7 +123,7 @@ impl Trial {
     /// Walks of each start through one realization; 1 of a medium, where every number of walks is as good.
     pub fn step(&self) -> u64 {
         match &self.body {
-            Body::Medium(_) => 1,
+            Body::Medium(..) => 1,
             Body::Fibers(explicit) => explicit.walks_of_start(self.goniometer.starts()),
         }
     }
@@ -125,8 +136,15 @@ impl Trial {
     /// Those of [`Walker::run`].
     pub fn block(&self, engine: &dyn Engine, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
         match &self.body {
-            Body::Medium(prepared) => self.through(&prepared.with(engine), seed, number, made, walks),
-            Body::Fibers(explicit) => self.through(&**explicit, seed, number, made, walks),
+            Body::Medium(prepared, banks) => {
+                let span = banks.as_ref().map_or(u64::MAX, KeptBanks::span);
+                let stretches = stretches(span, number, made, walks);
+                // What a run makes once for many walks is no time of these few.
+                banks.iter().try_for_each(|banks| banks.make(&stretches))?;
+                let first_hits = banks.as_ref().map(|banks| banks as &dyn FirstHitBanks);
+                self.through(&Implicit { first_hits, ..prepared.with(engine) }, seed, &stretches)
+            }
+            Body::Fibers(explicit) => self.through(&**explicit, seed, &self.realizations(number, made, walks)),
         }
     }
 
@@ -136,11 +154,11 @@ impl Trial {
     /// Those of [`Trial::block`].
     pub fn blocks(&self, engine: &dyn Engine, seed: u64, made: u64, walks: u64) -> Result<Vec<Block>> {
         match &self.body {
-            Body::Medium(_) => (0..BLOCKS).map(|number| self.block(engine, seed, number, made, walks)).collect(),
+            Body::Medium(..) => (0..BLOCKS).map(|number| self.block(engine, seed, number, made, walks)).collect(),
             // A block may have a single realization, which keeps one thread busy.
             Body::Fibers(explicit) => {
                 let started = Instant::now();
-                let one = |number| self.through(&**explicit, seed, number, made, walks);
+                let one = |number| self.through(&**explicit, seed, &self.realizations(number, made, walks));
                 let mut blocks: Vec<Block> = (0..BLOCKS).into_par_iter().map(one).collect::<Result<_>>()?;
                 let share = started.elapsed().as_secs_f64() / BLOCKS as f64;
                 blocks.iter_mut().for_each(|block| block.seconds = share);
@@ -149,14 +167,29 @@ impl Trial {
         }
     }
 
-    fn through(&self, walker: &dyn Walker, seed: u64, number: u64, made: u64, walks: u64) -> Result<Block> {
-        // Realizations begin where blocks do.
+    /// Walks of a block through the fibers themselves: realizations begin where blocks do.
+    fn realizations(&self, number: u64, made: u64, walks: u64) -> [(u64, u64); 1] {
         let step = self.step();
-        let first = number * (OF_BLOCK / step * step) + made;
-        let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+        [(number * (OF_BLOCK / step * step) + made, walks)]
+    }
+
+    fn through(&self, walker: &dyn Walker, seed: u64, stretches: &[(u64, u64)]) -> Result<Block> {
         let started = Instant::now();
-        let tally = walker.run(&self.goniometer, &plan, &mut |_| {})?;
+        let mut whole: Option<Tally> = None;
+        for &(first, walks) in stretches {
+            let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
+            let tally = walker.run(&self.goniometer, &plan, &mut |_| {})?;
+            match &mut whole {
+                Some(whole) => whole.merge(&tally)?,
+                None => whole = Some(tally),
+            }
+        }
         let seconds = started.elapsed().as_secs_f64();
+        let walks = stretches.iter().map(|(_, walks)| walks).sum();
+        let tally = match whole {
+            Some(tally) => tally,
+            None => walker.run(&self.goniometer, &WalkPlan::new(seed, 0), &mut |_| {})?,
+        };
         tally.check(walks)?;
         Ok(Block { tally, seconds })
     }

@@ -1,6 +1,7 @@
 //! The cheapest way to an accuracy.
 
 use super::engines::Class;
+use super::judged::more_rays;
 use super::points::{Chart, Point};
 
 /// Walks of each start that any measurement has at least.
@@ -53,9 +54,10 @@ impl Chart {
             let left = error.powi(2) - point.model_error.bounds[1].powi(2);
             let walks = (point.noise.value.powi(2) * point.walks as f64 / left).max(LEAST);
             let share = walks / point.walks as f64;
+            let [there, here] = [walks, point.walks as f64].map(|walks| more_rays(point.rays, walks));
             let seconds = match cost {
-                Cost::All => point.prepare_s + point.seconds[0] * share,
-                Cost::Walks => point.noise_free_cost_s * share,
+                Cost::All => point.prepare_s + (point.seconds[0] - here) * share + there,
+                Cost::Walks => (point.noise_free_cost_s - here) * share + there,
             };
             (left > 0.0).then_some(Way { point, walks, seconds })
         });

@@ -58,6 +58,11 @@ fn drawing(series: &Series) -> f64 {
     series.drawing / rayon::current_num_threads() as f64
 }
 
+/// Seconds of the rays to first hits that so many walks of each start need beyond those that come with the medium.
+pub fn more_rays(rays: Option<(u64, u64, f64)>, walks: f64) -> f64 {
+    rays.map_or(0.0, |(ready, span, seconds)| ((walks - ready as f64) / span as f64).ceil().max(0.0) * seconds)
+}
+
 /// A configuration, held against the fibers.
 pub struct Judged<'a> {
     series: &'a Series,
@@ -120,9 +125,11 @@ impl Judged<'_> {
                 continue;
             }
             let all = (walks * starts as u64) as f64;
-            let seconds = rates.map(|rate| rate * all);
+            let more = more_rays(series.rays, walks as f64);
+            let seconds = rates.map(|rate| rate * all + more);
             let realizations = (!of_medium).then(|| walks.div_ceil(each));
-            let noise_free_cost_s = 1e-9 * ns * events * all + drawing(series) * realizations.unwrap_or(0) as f64;
+            let noise_free_cost_s =
+                1e-9 * ns * events * all + drawing(series) * realizations.unwrap_or(0) as f64 + more;
             let noise = Deviation::from(noise);
             points.push(Point {
                 name: configuration.name(),
@@ -146,6 +153,7 @@ impl Judged<'_> {
                 events_per_walk: events,
                 ns_per_event: ns,
                 noise_free_cost_s,
+                rays: series.rays,
                 bytes: series.bytes,
                 noise,
                 model_error: *model,

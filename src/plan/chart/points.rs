@@ -58,6 +58,8 @@ pub struct Point {
     pub ns_per_event: f64,
     /// Seconds of these walks at that speed, and with the drawing of realizations: without the noise of the clock.
     pub noise_free_cost_s: f64,
+    /// What more rays to first hits cost, as [`Trial::rays`](crate::plan::Trial::rays) has it; in the seconds it is included.
+    pub rays: Option<(u64, u64, f64)>,
     /// Memory in bytes of tables, or of one realization.
     pub bytes: usize,
     /// Noise of these walks as a share of the scattered light.
@@ -235,6 +237,7 @@ pub(super) mod tests {
             events_per_walk: 1.0,
             ns_per_event: 1.0,
             noise_free_cost_s: walk,
+            rays: None,
             bytes: 1024,
             noise,
             model_error,

@@ -1,6 +1,7 @@
 //! The order of the work: a few configurations at once, then more of them, all by turns.
 
 use super::super::averaging::Averaging;
+use super::super::budget::refinements;
 use super::super::configuration::{Configuration, Extent};
 use super::super::trial::{BLOCKS, Trial};
 use super::engines::{Class, Engines};
@@ -27,8 +28,10 @@ const OWN: f64 = 2.0;
 const MARGIN: f64 = 1.2;
 /// Share of a visit that the processor has for a medium where another engine walks through it as well: enough to be timed.
 const TIMED: f64 = 0.3;
-/// Share of the time left that new configurations may take to be prepared and walked through.
+/// Share of the time left that new configurations may take to be prepared and walked through, and that those may take which the
+/// error budget needs.
 const NEW: f64 = 0.25;
+const NEEDED: f64 = 0.6;
 /// Share of the time that the averaging part of the error budget may take to walk.
 const AVERAGING: f64 = 1.0 / 20.0;
 /// Realizations that straight rays go through, drawn on all threads; the rays take about as long again.
@@ -121,13 +124,16 @@ impl Work<'_> {
                 let needed = first && index < 2 && self.series[index].made == 0;
                 walked |= self.visit(index, slice, needed)?;
             }
-            if self.store.head.averaging.is_none() && self.can_average(time) {
-                self.tell(progress, "averaging".into(), false)?;
-                self.average(time)?;
-            }
             first = false;
             self.tell(progress, "a round".into(), true)?;
             let more = self.admit(&mut active, slice);
+            // Of the error budget, averaging takes the longest: it comes when the other parts have been seen to.
+            let seen_to = |i: usize| active.contains(&i) || self.series[i].refused.is_some();
+            let rest = self.needed().into_iter().all(seen_to);
+            if self.store.head.averaging.is_none() && (rest || !more) && self.can_average(time) {
+                self.tell(progress, "averaging".into(), false)?;
+                self.average(time)?;
+            }
             if !walked && !more {
                 break;
             }
@@ -271,10 +277,17 @@ impl Work<'_> {
         self.store.save_head()
     }
 
+    /// The configurations that the error budget holds the scene's own medium against.
+    fn needed(&self) -> Vec<usize> {
+        let (directions, cells, finest) = refinements(self.series[1].configuration, self.settings.extent);
+        let place = |wanted: Configuration| self.series.iter().position(|series| series.configuration == wanted);
+        [Some(directions), cells, Some(finest)].into_iter().flatten().filter_map(place).collect()
+    }
+
     /// Take in more configurations, at most as many as there are, as far as they leave time to walk; whether there were any.
     fn admit(&self, active: &mut Vec<usize>, slice: f64) -> bool {
-        let mut room = NEW * self.left();
-        let before = active.len();
+        let needed = self.needed();
+        let (mut spent, before) = (0.0, active.len());
         for index in 0..self.series.len() {
             if active.len() >= 2 * before {
                 break;
@@ -282,9 +295,10 @@ impl Work<'_> {
             if active.contains(&index) || self.series[index].refused.is_some() {
                 continue;
             }
+            let share = if needed.contains(&index) { NEEDED } else { NEW };
             let expected = self.expected(index, slice);
-            if expected <= room {
-                room -= expected;
+            if spent + expected <= share * self.left() {
+                spent += expected;
                 active.push(index);
             }
         }

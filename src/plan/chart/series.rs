@@ -47,6 +47,8 @@ pub struct Series {
     pub preparing: Vec<f64>,
     /// Seconds that one thread needs for a realization; 0 of a medium.
     pub drawing: f64,
+    /// What more rays to first hits cost, as [`Trial::rays`] has it.
+    pub rays: Option<(u64, u64, f64)>,
     /// Memory in bytes of what light goes through.
     pub bytes: usize,
     /// Why the configuration cannot be had for this cloth.
@@ -63,6 +65,7 @@ impl Series {
             visits: Vec::new(),
             preparing: Vec::new(),
             drawing: 0.0,
+            rays: None,
             bytes: 0,
             refused: None,
         }
@@ -132,6 +135,7 @@ impl Series {
         let walks = ((wanted / step as f64).round() as u64 * step).clamp(least, MOST_BLOCK.max(step));
         let blocks = trial.blocks(engines.of(class), seed, self.made, walks)?;
         self.add(&blocks, walks)?;
+        self.rays = trial.rays().or(self.rays);
         Ok(Visit {
             class,
             walks: blocks.iter().map(|block| block.tally.counts.launched).sum(),

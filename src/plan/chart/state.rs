@@ -205,6 +205,7 @@ struct StoredSeries {
     visits: Vec<Visit>,
     preparing: Vec<f64>,
     drawing: f64,
+    rays: Option<(u64, u64, f64)>,
     bytes: usize,
     refused: Option<String>,
     blocks: Vec<StoredTally>,
@@ -212,7 +213,7 @@ struct StoredSeries {
 
 impl StoredSeries {
     fn of(series: &Series) -> StoredSeries {
-        let Series { configuration, made, visits, preparing, drawing, bytes, refused, blocks } = series;
+        let Series { configuration, made, visits, preparing, drawing, rays, bytes, refused, blocks } = series;
         StoredSeries {
             model: json!(configuration.model),
             edge_r: configuration.edge,
@@ -221,6 +222,7 @@ impl StoredSeries {
             visits: visits.clone(),
             preparing: preparing.clone(),
             drawing: *drawing,
+            rays: *rays,
             bytes: *bytes,
             refused: refused.clone(),
             blocks: blocks.iter().map(StoredTally::of).collect(),
@@ -241,6 +243,7 @@ impl StoredSeries {
             visits: self.visits,
             preparing: self.preparing,
             drawing: self.drawing,
+            rays: self.rays,
             bytes: self.bytes,
             refused: self.refused,
         })

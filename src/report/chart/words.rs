@@ -172,7 +172,7 @@ fn limits(chart: &Chart) -> Option<String> {
     let best = media.min_by(|a, b| a.model_error.bounds[1].total_cmp(&b.model_error.bounds[1]))?;
     let fibers = chart.curves().find(|point| point.explicit)?;
     Some(format!(
-        "More walks mend noise, not the model: the best medium, {}, stays off by {} of the scattered light; its tables take {}, a \
+        "More walks mend noise, not the model: the best medium, {}, stays off by {} of the scattered light; it takes {}, a \
          realization of the fibers {}.",
         best.name,
         deviation(&best.model_error),

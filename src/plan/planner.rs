@@ -22,6 +22,8 @@ const SHARE: f64 = 0.07;
 const OF_FIBERS: f64 = 0.6;
 /// A smaller model may cost so many times as much in walks as the cheapest.
 const WORTH: f64 = 1.1;
+/// Standard errors of the expected error of a model that are taken off the tolerance beside it.
+const ROOM: f64 = 0.5;
 /// Tentative events of a walk through a medium, for each piece that one through the fibers is tested against, before any is
 /// tried.
 const EVENTS_A_TEST: f64 = 0.13;
@@ -205,7 +207,7 @@ impl Planner<'_> {
     fn unpiloted(&self) -> Plan {
         let configuration = Configuration::of(self.scene, self.extent);
         let Belief { error, spread, .. } = self.expected(&configuration);
-        let left = self.tolerance.powi(2) - (error + spread).powi(2);
+        let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
         let model_error = Estimate { value: error, stderr: spread };
         Plan {
             tolerance: self.tolerance,
@@ -276,7 +278,7 @@ impl Planner<'_> {
     fn judge(&self, configuration: &Configuration, pilot: &Pilot, tried: &[String]) -> Candidate {
         let Belief { error, spread, .. } = self.expected(configuration);
         // Leave room for what the model's error may be more than expected.
-        let left = self.tolerance.powi(2) - (error + spread).powi(2);
+        let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
         let noise = (left > 0.0).then(|| left.sqrt());
         let seconds_a_walk = match configuration.model.medium {
             Medium::Implicit => self.cost.event * self.events.unwrap_or(EVENTS_A_TEST * pilot.tests_a_walk),

@@ -36,7 +36,7 @@ impl Belief {
             (_, true, _) => (0.045, 0.010),
             (_, _, Packing::Separate) => (0.035, 0.015),
             // Spun yarns: gabardine, jersey, linen, muslin, rib, sheer, voile.
-            (_, false, Packing::Random) => (0.030, 0.010),
+            (_, false, Packing::Random) => (0.028, 0.008),
         };
         Belief { error, spread, spun: yarns == 1024 }
     }

@@ -2,7 +2,7 @@
 
 use super::super::show::grouped;
 use fiberwalk::plan::chart::{Chart, Engines, Store};
-use fiberwalk::report::chart_findings;
+use fiberwalk::report::{chart_deviation, chart_findings};
 use fiberwalk::scene::{Scene, Source};
 use std::fmt::Write;
 use std::time::Duration;
@@ -17,22 +17,19 @@ pub fn notes(source: &Source, scene: &Scene, engines: &Engines, store: &Store, t
     let (spent, time) = (store.head.spent, time.as_secs_f64());
     if spent > 0.0 {
         let left = (time - spent).max(0.0);
-        lines.push(format!("goes on with a chart that has had {spent:.0} s of {time:.0} s: {left:.0} s are left"));
+        lines.push(format!("goes on with a chart that has had {spent:.0} s: {left:.0} s are left"));
     }
     lines
 }
 
 /// The error budget, the front, and where the files are.
 pub fn findings(chart: &Chart) -> String {
-    let mut text = format!("error budget of {}, E in % of the scattered light\n", chart.budget.configuration);
+    let mut text = format!("error budget of {}, E as a share of the scattered light\n", chart.budget.configuration);
     for part in &chart.budget.parts {
         let name = part.part.name();
         let _ = match (&part.size, &part.missing) {
-            (Some(size), _) => {
-                let (value, error) = (100.0 * size.value, 100.0 * size.stderr);
-                writeln!(text, "  {name:<11} {value:5.2} ± {error:.2}  {}", part.change)
-            }
-            (None, why) => writeln!(text, "  {name:<11} not measured: {}", why.as_deref().unwrap_or_default()),
+            (Some(size), _) => writeln!(text, "  {name:<11} {:<17} {}", chart_deviation(size), part.change),
+            (None, why) => writeln!(text, "  {name:<11} not measured:     {}", why.as_deref().unwrap_or_default()),
         };
     }
     let _ =

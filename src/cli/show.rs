@@ -4,6 +4,7 @@ use fiberwalk::bsdf::{Component, Estimate, Residual, Totals, hemispherical, reci
 use fiberwalk::goniometer::Incidence;
 use fiberwalk::measure::Measurement;
 use fiberwalk::plan::Budget;
+use fiberwalk::report::chart_deviation;
 use fiberwalk::scene::{Incident, Medium, Model, Placement, Scene, Side};
 use std::fmt::Write;
 
@@ -87,15 +88,12 @@ pub fn totals_table(scene: &Scene, measurement: &Measurement) -> String {
 
 /// Where the error of a model comes from, part by part.
 pub fn budget_lines(budget: &Budget) -> String {
-    let mut text = format!("error budget of {}, E in % of the scattered light\n", budget.configuration);
+    let mut text = format!("error budget of {}, E as a share of the scattered light\n", budget.configuration);
     for part in &budget.parts {
         let name = part.part.name();
         let _ = match (&part.size, &part.missing) {
-            (Some(size), _) => {
-                let (value, error) = (100.0 * size.value, 100.0 * size.stderr);
-                writeln!(text, "  {name:<11} {value:5.2} ± {error:.2}  {}", part.change)
-            }
-            (None, why) => writeln!(text, "  {name:<11} not measured: {}", why.as_deref().unwrap_or_default()),
+            (Some(size), _) => writeln!(text, "  {name:<11} {:<17} {}", chart_deviation(size), part.change),
+            (None, why) => writeln!(text, "  {name:<11} not measured:     {}", why.as_deref().unwrap_or_default()),
         };
     }
     text

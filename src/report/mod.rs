@@ -23,7 +23,7 @@ mod sheet;
 mod text;
 mod view;
 
-pub use chart::{chart_findings, chart_page, chart_picture};
+pub use chart::{chart_deviation, chart_findings, chart_page, chart_picture};
 pub use colour::pile;
 pub use depth::{Depth, Seen};
 pub use image::Image;

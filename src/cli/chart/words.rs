@@ -17,7 +17,7 @@ pub fn notes(source: &Source, scene: &Scene, engines: &Engines, store: &Store, t
     let (spent, time) = (store.head.spent, time.as_secs_f64());
     if spent > 0.0 {
         let left = (time - spent).max(0.0);
-        lines.push(format!("goes on with a chart that has had {spent:.0} s of {time:.0} s: {left:.0} s are left"));
+        lines.push(format!("goes on with a chart that has had {spent:.0} s: {left:.0} s are left"));
     }
     lines
 }

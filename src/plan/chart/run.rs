@@ -196,7 +196,7 @@ impl Work<'_> {
         let nearest = known.min_by(|(a, ..), (b, ..)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let Some(((unlike, _), other, seconds)) = nearest else { return 0.0 };
         let drawing = if unlike && rays(series) { REALIZATIONS_OF_RAYS * self.series[0].drawing } else { 0.0 };
-        drawing + seconds * (cells(series) / other).max(1.0).sqrt()
+        drawing + seconds * (cells(series) / other).max(1.0)
     }
 
     /// Walk through a configuration on all of its engines and keep what was found; whether anything was done.

@@ -10,4 +10,4 @@ mod words;
 
 pub use page::chart_page;
 pub use picture::chart_picture;
-pub use words::chart_findings;
+pub use words::{chart_findings, deviation as chart_deviation};

@@ -33,7 +33,8 @@ pub struct Arguments {
     /// Stop after so many walks of each incident cell
     #[arg(long, value_name = "N", value_parser = walks, allow_negative_numbers = true, group = "stop")]
     walks: Option<u64>,
-    /// Stop when the noise of the scattered light is at most this share, such as 5% [default without another rule: 5%]
+    /// Stop when noise and expected model error together are at most this share of the scattered light, such as 5%; where the
+    /// model is given, the noise alone [default without another rule: 5%]
     #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true, group = "stop")]
     tolerance: Option<f64>,
     /// Stop when the walks have taken so long, such as 60s
@@ -57,8 +58,8 @@ pub struct Arguments {
     /// No notes and no progress, only results and errors
     #[arg(long)]
     quiet: bool,
-    /// What the light goes through: implicit, the statistical medium, or explicit, the fibers themselves
-    /// [default: with --tolerance, and if nothing is said of the medium, what the planner chooses; else implicit]
+    /// What the light goes through: implicit, the statistical medium, or explicit, the fibers themselves [default: with
+    /// --tolerance, where nothing is said of the medium, what the planner chooses; else implicit]
     #[arg(long, value_enum)]
     model: Option<ModelChoice>,
     /// How fibers are laid: random, where they may overlap, or separate, where they do not
@@ -79,13 +80,13 @@ pub struct Arguments {
     #[arg(long, value_name = "FIRST")]
     first_hit: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at
-    /// most 2^18 cells]
+    /// most 2^20 cells]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
-    /// Cells of the grid of fiber directions, a square number [default: 1024]
+    /// Cells of the grid of fiber directions, a square number [default: 1024; 16384 of yarns without twist]
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     directions: Option<String>,
-    /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 2]
+    /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 0]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     cone: Option<String>,
     /// Incident directions: N of the disc basis, klems, polar:18x36 (rings × sectors), or a list such as

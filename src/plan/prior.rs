@@ -31,7 +31,7 @@ impl Belief {
         let absorbing = !scene.channels.lossless() && scene.kinds().len() > 1;
         let (error, spread) = match (absorbing, yarns > 1024, scene.model.packing) {
             // Where dark and light yarns meet: denim, dimout.
-            (true, ..) => (0.055, 0.015),
+            (true, ..) => (0.065, 0.010),
             // Filaments without twist: charmeuse, lining.
             (_, true, _) => (0.045, 0.010),
             (_, _, Packing::Separate) => (0.035, 0.015),

@@ -65,7 +65,7 @@ fn check_all(shader: &Shader) -> usize {
 
 #[test]
 fn the_kernel_runs_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::walk()), 4 * 256, "one entry point, eight flags, four kinds of flight");
+    assert_eq!(check_all(&Shader::walk()), 4 * 512, "one entry point, nine flags, four kinds of flight");
 }
 
 #[test]

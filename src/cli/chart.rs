@@ -5,7 +5,6 @@ mod words;
 
 use super::measure::{Choice, seconds, whole};
 use super::{one_line, print};
-use fiberwalk::measure::EngineChoice;
 use fiberwalk::plan::Extent;
 use fiberwalk::plan::chart::{Chart, ChartAbout, Engines, Progress, Series, Settings, Store, csv, run as make};
 use fiberwalk::report::{chart_page, chart_picture};
@@ -68,12 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let source = Source::find(&arguments.cloth)?;
     let scene = arguments.apply(Scene::parse(&source)?)?;
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
-    let choice = match arguments.engine {
-        Choice::Auto => EngineChoice::Auto,
-        Choice::Gpu => EngineChoice::Gpu,
-        Choice::Cpu => EngineChoice::Cpu,
-    };
-    let engines = Engines::open(choice, arguments.adapter.as_deref())?;
+    let engines = Engines::open(arguments.engine.into(), arguments.adapter.as_deref())?;
     let about = ChartAbout { about: About::new(&scene), seed: arguments.seed, engines: engines.names() };
     let mut store = Store::open(&folder, about, arguments.force)?;
     let extent = Extent::of(&scene)?;

@@ -132,6 +132,16 @@ pub enum Choice {
     Cpu,
 }
 
+impl From<Choice> for EngineChoice {
+    fn from(choice: Choice) -> EngineChoice {
+        match choice {
+            Choice::Auto => EngineChoice::Auto,
+            Choice::Gpu => EngineChoice::Gpu,
+            Choice::Cpu => EngineChoice::Cpu,
+        }
+    }
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum ModelChoice {
     Implicit,
@@ -218,12 +228,7 @@ impl Arguments {
 
     /// The engine that was asked for, or the best there is.
     fn choose_engine(&self) -> Result<ChosenEngine> {
-        let choice = match self.engine {
-            Choice::Auto => EngineChoice::Auto,
-            Choice::Gpu => EngineChoice::Gpu,
-            Choice::Cpu => EngineChoice::Cpu,
-        };
-        choose(choice, self.adapter.as_deref())
+        choose(self.engine.into(), self.adapter.as_deref())
     }
 
     /// Walk through the fibers themselves.

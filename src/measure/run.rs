@@ -125,28 +125,20 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
     check_memory(memory(&tables, &goniometer), tables.channels(), &goniometer)?;
-    if !wanted {
-        return Ok(Prepared {
-            specific_length,
-            cloth,
-            gathering,
-            tables,
-            goniometer,
-            straight: None,
-            first_hits: None,
-        });
+    let (mut straight, mut first_hits) = (None, None);
+    if wanted {
+        let realizer = match &cloth {
+            Some(cloth) => Realizer::of_yarns(cloth.clone(), packing),
+            None => Realizer::new(scene, packing)?,
+        };
+        if gathering.is_none() {
+            StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
+        }
+        straight = rays.light().filter(|_| direct == Direct::Straight);
+        // Separate fibers take too long to draw for fresh rays.
+        let realizer = Some(realizer).filter(|_| packing == Packing::Random);
+        first_hits = (first_hit == FirstHit::Fibers).then(|| Arc::new(rays.into_banks(realizer)));
     }
-    let realizer = match &cloth {
-        Some(cloth) => Realizer::of_yarns(cloth.clone(), packing),
-        None => Realizer::new(scene, packing)?,
-    };
-    if gathering.is_none() {
-        StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
-    }
-    let straight = rays.light().filter(|_| direct == Direct::Straight);
-    // Separate fibers take too long to draw for fresh rays.
-    let realizer = Some(realizer).filter(|_| packing == Packing::Random);
-    let first_hits = (first_hit == FirstHit::Fibers).then(|| Arc::new(rays.into_banks(realizer)));
     Ok(Prepared { specific_length, cloth, gathering, tables, goniometer, straight, first_hits })
 }
 

@@ -2,7 +2,7 @@
 
 use super::budget::AVERAGED;
 use super::configuration::Extent;
-use super::stretches::{KeptBanks, stretches};
+use super::stretches::{KeptBanks, stretches, walk};
 use super::trial::{BLOCKS, Trial};
 use crate::bsdf::{Distance, distance_of, scattered};
 use crate::cloth::{Realization, Realizer};
@@ -12,7 +12,7 @@ use crate::goniometer::{Goniometer, Straight, Tally};
 use crate::measure::Prepared;
 use crate::scene::Scene;
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHitBanks, Implicit};
 use serde::{Deserialize, Serialize};
 
 /// What media of single realizations say of averaging.
@@ -100,17 +100,7 @@ impl Averaging {
         let first_hits = self.first_hits.as_ref().map(|banks| banks as &dyn FirstHitBanks);
         let light = |tables: &SamplingTables, block: u64, made: u64, walks: u64| -> Result<Vec<f64>> {
             let medium = Implicit { engine, tables, straight: self.straight.as_deref(), first_hits };
-            let mut whole: Option<Tally> = None;
-            for (first, walks) in stretches(span, block, made, walks) {
-                let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-                let tally = medium.run(&self.goniometer, &plan, &mut |_| {})?;
-                tally.check(walks)?;
-                match &mut whole {
-                    Some(whole) => whole.merge(&tally)?,
-                    None => whole = Some(tally),
-                }
-            }
-            Ok(whole.as_ref().map(scattered).unwrap_or_default())
+            Ok(scattered(&walk(&medium, &self.goniometer, seed, &stretches(span, block, made, walks))?))
         };
         let (mut apart, mut together) = (Vec::new(), Vec::new());
         for block in 0..BLOCKS {

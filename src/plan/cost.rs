@@ -3,11 +3,9 @@
 use super::pilot::Pilot;
 use crate::measure::ChosenEngine;
 use crate::scene::{Scene, Structure};
-use serde::Serialize;
 
 /// What sends walks through a medium.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EngineClass {
     /// The f64 engine on all threads.
     Cpu,
@@ -64,11 +62,6 @@ impl Cost {
             test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
             piece: 1e-9 * PIECE_DRAWN / threads,
         }
-    }
-
-    /// Seconds of the realizations of a pilot.
-    pub fn drawing(&self, pieces: usize, realizations: u64) -> f64 {
-        self.piece * pieces as f64 * realizations as f64
     }
 
     /// Seconds of counting a medium.

@@ -43,6 +43,9 @@ pub struct Pilot {
 }
 
 impl Pilot {
+    /// Exit cells of each side of a pilot.
+    pub const EXIT_CELLS: f64 = 64.0;
+
     /// Draw a realization for each block, and make as many walks through them as `walks` says that a walk of so many tests
     /// allows, all directions and blocks together. What is found does not depend on the clock.
     ///

@@ -139,13 +139,25 @@ pub fn plan(
     fibers: bool,
 ) -> Result<(Plan, Option<Prepared>)> {
     let (belief, cost) = (Belief::of(scene), Cost::of(scene, class));
-    let planner = Planner { scene, extent, tolerance, fibers, belief, at_hit: None, cost, events: None };
+    let planner = Planner {
+        scene,
+        goniometer: Goniometer::new(&scene.measure),
+        extent,
+        tolerance,
+        fibers,
+        belief,
+        at_hit: None,
+        cost,
+        events: None,
+    };
     // Separate fibers take too long to draw for a pilot.
     if scene.model.packing == Packing::Separate { Ok((planner.unpiloted(), None)) } else { planner.plan(engine, seed) }
 }
 
 struct Planner<'a> {
     scene: &'a Scene,
+    /// Of the run.
+    goniometer: Goniometer,
     extent: &'a Extent,
     tolerance: f64,
     /// Whether the fibers themselves may be chosen.
@@ -206,15 +218,13 @@ impl Planner<'_> {
     /// The usual medium, with what is known of other cloths.
     fn unpiloted(&self) -> Plan {
         let configuration = Configuration::of(self.scene, self.extent);
-        let Belief { error, spread, .. } = self.expected(&configuration);
-        let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
-        let model_error = Estimate { value: error, stderr: spread };
+        let (model_error, noise) = self.shared_out(&configuration);
         Plan {
             tolerance: self.tolerance,
             chosen: configuration.name(),
             configuration,
             model_error,
-            noise: if left > 0.0 { left.sqrt() } else { self.tolerance },
+            noise: noise.unwrap_or(self.tolerance),
             reason: format!(
                 "separate fibers take too long to be drawn for a pilot; of other cloths {}",
                 told(model_error)
@@ -274,24 +284,31 @@ impl Planner<'_> {
         }
     }
 
+    /// How a configuration shares out the tolerance: its expected E, and the noise that is left, if any. It leaves room for what E
+    /// may be more than expected.
+    fn shared_out(&self, configuration: &Configuration) -> (Estimate, Option<f64>) {
+        let Belief { error, spread, .. } = self.expected(configuration);
+        let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
+        (Estimate { value: error, stderr: spread }, (left > 0.0).then(|| left.sqrt()))
+    }
+
     /// What is to be expected of a configuration.
     fn judge(&self, configuration: &Configuration, pilot: &Pilot, tried: &[String]) -> Candidate {
-        let Belief { error, spread, .. } = self.expected(configuration);
-        // Leave room for what the model's error may be more than expected.
-        let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
-        let noise = (left > 0.0).then(|| left.sqrt());
+        let (model_error, noise) = self.shared_out(configuration);
         let seconds_a_walk = match configuration.model.medium {
             Medium::Implicit => self.cost.event * self.events.unwrap_or(EVENTS_A_TEST * pilot.tests_a_walk),
             Medium::Explicit => self.cost.test * pilot.tests_a_walk,
         };
-        let starts = self.starts();
-        let walks = |noise: f64| (pilot.noise_of_one / noise).powi(2) * self.finer_exit();
+        // Finer exit cells take more walks at equal noise.
+        let Goniometer { exit, .. } = &self.goniometer;
+        let walks = |noise: f64| (pilot.noise_of_one / noise).powi(2) * (exit.cells() as f64 / Pilot::EXIT_CELLS);
+        let starts = self.goniometer.starts() as f64;
         let name = configuration.name();
         Candidate {
             tried: tried.contains(&name),
             name,
             configuration: *configuration,
-            model_error: Estimate { value: error, stderr: spread },
+            model_error,
             noise,
             seconds_a_walk,
             walk_seconds: noise.map(|noise| walks(noise) * starts * seconds_a_walk),
@@ -300,6 +317,11 @@ impl Planner<'_> {
 
     /// The cheapest that meets the tolerance, or the first of the list, from coarse to fine, that costs hardly more.
     fn choose(&self, pilot: &Pilot, tried: &[String]) -> Candidate {
+        let usual = || self.judge(&Configuration::of(self.scene, self.extent), pilot, tried);
+        // Where nothing is scattered, no walks bring the noise down.
+        if pilot.noise_of_one.is_infinite() {
+            return usual();
+        }
         let judged: Vec<Candidate> = self.list().iter().map(|one| self.judge(one, pilot, tried)).collect();
         let cost = |one: &Candidate| one.walk_seconds.unwrap_or(f64::INFINITY);
         let least = judged.iter().map(cost).fold(f64::INFINITY, f64::min);
@@ -307,22 +329,7 @@ impl Planner<'_> {
         // Where nothing is expected to meet it, come as near as can be.
         let error = |one: &&Candidate| one.model_error.value;
         let nearest = || judged.iter().min_by(|a, b| error(a).total_cmp(&error(b)));
-        // Where nothing is scattered, no walks bring the noise down.
-        if pilot.noise_of_one.is_infinite() {
-            return self.judge(&Configuration::of(self.scene, self.extent), pilot, tried);
-        }
-        let usual = || self.judge(&Configuration::of(self.scene, self.extent), pilot, tried);
         fair.or_else(nearest).cloned().unwrap_or_else(usual)
-    }
-
-    /// Incident cells and sides.
-    fn starts(&self) -> f64 {
-        Goniometer::new(&self.scene.measure).starts() as f64
-    }
-
-    /// By how much more walks the exit cells of the run take than those of a pilot, at equal noise.
-    fn finer_exit(&self) -> f64 {
-        Goniometer::new(&self.scene.measure).exit.cells() as f64 / 64.0
     }
 }
 

@@ -23,13 +23,13 @@ pub struct Belief {
 impl Belief {
     /// Of a cloth that nobody has tried: E of the medium of its placement with first hits on fibers, at the usual edge.
     pub fn of(scene: &Scene) -> Belief {
-        let yarns = match &scene.structure {
-            // Of a homogeneous sheet there are no cells to be coarse: E is at most 1.1 % in boxes of overlapping fibers.
-            Structure::Sheet(_) => return Belief { error: 0.005, spread: 0.005, spun: false },
-            Structure::Weave(_) | Structure::Knit(_) => scene.structure.usual_directions(),
-        };
+        // Of a homogeneous sheet there are no cells to be coarse: E is at most 1.1 % in boxes of overlapping fibers.
+        if let Structure::Sheet(_) = &scene.structure {
+            return Belief { error: 0.005, spread: 0.005, spun: false };
+        }
+        let untwisted = scene.structure.untwisted();
         let absorbing = !scene.channels.lossless() && scene.kinds().len() > 1;
-        let (error, spread) = match (absorbing, yarns > 1024, scene.model.packing) {
+        let (error, spread) = match (absorbing, untwisted, scene.model.packing) {
             // Where dark and light yarns meet: denim, dimout.
             (true, ..) => (0.065, 0.010),
             // Filaments without twist: charmeuse, lining.
@@ -38,7 +38,7 @@ impl Belief {
             // Spun yarns: gabardine, jersey, linen, muslin, rib, sheer, voile.
             (_, false, Packing::Random) => (0.028, 0.008),
         };
-        Belief { error, spread, spun: yarns == 1024 }
+        Belief { error, spread, spun: !untwisted }
     }
 
     /// What E at another edge is, in units of that at the usual one.

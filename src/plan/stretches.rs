@@ -3,7 +3,8 @@
 use super::trial::BLOCKS;
 use crate::error::Result;
 use crate::explicit::Banks;
-use crate::walk::{FirstHitBanks, FirstHits};
+use crate::goniometer::{Goniometer, Tally};
+use crate::walk::{FirstHitBanks, FirstHits, WalkPlan, Walker};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
@@ -27,6 +28,22 @@ pub fn stretches(span: u64, number: u64, made: u64, walks: u64) -> Vec<(u64, u64
         done += count;
     }
     list
+}
+
+/// Make the walks of all stretches, whose account has been checked.
+///
+/// # Errors
+/// Those of [`Walker::run`].
+pub fn walk(walker: &dyn Walker, goniometer: &Goniometer, seed: u64, stretches: &[(u64, u64)]) -> Result<Tally> {
+    let run = |&(first, walks): &(u64, u64)| {
+        walker.run(goniometer, &WalkPlan { first, ..WalkPlan::new(seed, walks) }, &mut |_| {})
+    };
+    let mut whole = run(stretches.first().unwrap_or(&(0, 0)))?;
+    for stretch in stretches.iter().skip(1) {
+        whole.merge(&run(stretch)?)?;
+    }
+    whole.check(stretches.iter().map(|(_, walks)| walks).sum())?;
+    Ok(whole)
 }
 
 /// Banks of rays, of which those that blocks are at are kept: blocks are visited by turns.

@@ -1,14 +1,14 @@
 //! A configuration, ready to be walked through.
 
 use super::configuration::{Configuration, Extent};
-use super::stretches::{KeptBanks, OF_BLOCK, stretches};
+use super::stretches::{KeptBanks, OF_BLOCK, stretches, walk};
 use crate::cloth::Realizer;
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
 use crate::measure::{Prepared, prepare};
 use crate::scene::{Medium, Scene};
-use crate::walk::{Engine, FirstHitBanks, Implicit, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHitBanks, Implicit, Walker};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -175,22 +175,8 @@ impl Trial {
 
     fn through(&self, walker: &dyn Walker, seed: u64, stretches: &[(u64, u64)]) -> Result<Block> {
         let started = Instant::now();
-        let mut whole: Option<Tally> = None;
-        for &(first, walks) in stretches {
-            let plan = WalkPlan { first, ..WalkPlan::new(seed, walks) };
-            let tally = walker.run(&self.goniometer, &plan, &mut |_| {})?;
-            match &mut whole {
-                Some(whole) => whole.merge(&tally)?,
-                None => whole = Some(tally),
-            }
-        }
+        let tally = walk(walker, &self.goniometer, seed, stretches)?;
         let seconds = started.elapsed().as_secs_f64();
-        let walks = stretches.iter().map(|(_, walks)| walks).sum();
-        let tally = match whole {
-            Some(tally) => tally,
-            None => walker.run(&self.goniometer, &WalkPlan::new(seed, 0), &mut |_| {})?,
-        };
-        tally.check(walks)?;
         Ok(Block { tally, seconds })
     }
 }

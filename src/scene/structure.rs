@@ -4,7 +4,7 @@ use super::knit::{Knit, read_knit};
 use super::reader::Table;
 use super::sheet::{Fiber, MAX_KINDS, Sheet, read_sheet};
 use super::weave::{Weave, read_weave};
-use super::yarn::{Yarn, read_yarns};
+use super::yarn::read_yarns;
 use crate::error::Result;
 use std::path::Path;
 
@@ -29,16 +29,20 @@ impl Structure {
         }
     }
 
-    /// Cells of the grid of directions where the file does not say. Filaments without twist lie in a few directions, which cost
-    /// little and whose lobes are sharp; fibers of twisted yarns are spread by their twist.
-    pub fn usual_directions(&self) -> u32 {
+    /// Whether it has yarns whose fibers all run along them, without twist.
+    pub fn untwisted(&self) -> bool {
         let yarns = match self {
-            Structure::Sheet(_) => return 1024,
+            Structure::Sheet(_) => return false,
             Structure::Weave(weave) => &weave.yarns,
             Structure::Knit(knit) => std::slice::from_ref(&knit.yarn),
         };
-        let straight = |yarn: &Yarn| yarn.ply_twist == 0.0 && yarn.twist == 0.0 && yarn.flyaways.is_none();
-        if yarns.iter().all(straight) { 16384 } else { 1024 }
+        yarns.iter().all(|yarn| yarn.ply_twist == 0.0 && yarn.twist == 0.0 && yarn.flyaways.is_none())
+    }
+
+    /// Cells of the grid of directions where the file does not say. Filaments without twist lie in a few directions, which cost
+    /// little and whose lobes are sharp; fibers of twisted yarns are spread by their twist.
+    pub fn usual_directions(&self) -> u32 {
+        if self.untwisted() { 16384 } else { 1024 }
     }
 }
 

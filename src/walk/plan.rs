@@ -140,14 +140,12 @@ impl Implicit<'_> {
         progress: &mut dyn FnMut(&Tally),
     ) -> Result<Tally> {
         let Range { start: mut first, end } = plan.walks();
-        let mut whole: Option<Tally> = None;
-        loop {
+        let mut run = |first: u64, before: Option<&Tally>| -> Result<(Tally, u64)> {
             let bank = first / banks.span();
             let next = end.min((bank + 1) * banks.span());
             let first_hits = Some(banks.bank(bank)?);
             let part = WalkPlan { first, walks_per_incident: next - first, first_hits, ..plan.clone() };
-            let before = whole.clone();
-            let mut tell = |part: &Tally| match &before {
+            let mut tell = |part: &Tally| match before {
                 None => progress(part),
                 // Banks before this one count as well.
                 Some(before) => {
@@ -156,17 +154,16 @@ impl Implicit<'_> {
                     progress(&sum);
                 }
             };
-            let tally = self.engine.run(self.tables, goniometer, &part, &mut tell)?;
-            match &mut whole {
-                None => whole = Some(tally),
-                Some(whole) => whole.merge(&tally)?,
-            }
+            Ok((self.engine.run(self.tables, goniometer, &part, &mut tell)?, next))
+        };
+        let (mut whole, next) = run(first, None)?;
+        first = next;
+        while first < end {
+            let (part, next) = run(first, Some(&whole))?;
+            whole.merge(&part)?;
             first = next;
-            match whole {
-                Some(whole) if first >= end => return Ok(whole),
-                _ => {}
-            }
         }
+        Ok(whole)
     }
 }
 

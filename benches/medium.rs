@@ -46,7 +46,7 @@ fn main() -> Result<()> {
     for (name, _) in PRESETS.into_iter().filter(|(name, _)| !any || named(name)) {
         for (word, packing) in [("random", Packing::Random), ("separate", Packing::Separate)] {
             if named(word) || !(named("random") || named("separate")) {
-                if let Err(error) = study(name, word, packing, named("short")) {
+                if let Err(error) = study(name, word, packing, &named) {
                     println!("| {name} | {word} | {error} |||||||");
                 }
             }
@@ -56,7 +56,7 @@ fn main() -> Result<()> {
 }
 
 /// All rows of a preset and packing.
-fn study(name: &str, word: &str, packing: Packing, short: bool) -> Result<()> {
+fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
@@ -69,9 +69,16 @@ fn study(name: &str, word: &str, packing: Packing, short: bool) -> Result<()> {
     let reference = tallies(&trial, 1)?;
     let seconds = started.elapsed().as_secs_f64();
     println!("{}", fiber_row(&label, &reference, &trial, seconds)?);
+    match row(&scene, &extent, fibers.forgetful(), &reference) {
+        Ok(line) => println!("{label} | fibers, anew after each hit {line}"),
+        Err(error) => println!("{label} | fibers, anew after each hit | {error} ||||||"),
+    }
+    if named("anew") {
+        return Ok(());
+    }
     let usual = Configuration::of(&scene, &extent);
     let all = configurations(usual, matches!(scene.structure, Structure::Sheet(_)));
-    let skipped = if short { all.len().saturating_sub(2) } else { 0 };
+    let skipped = if named("short") { all.len().saturating_sub(2) } else { 0 };
     for configuration in all.into_iter().skip(skipped) {
         match row(&scene, &extent, configuration, &reference) {
             Ok(line) => println!("{label} | {} {line}", configuration.name()),

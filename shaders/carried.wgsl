@@ -1,5 +1,5 @@
 // Flights that start where light leaves a fiber: a hit belongs to the cell that holds the fiber's axis.
-// uses: layout, cells, march
+// uses: layout, cells, march, memory
 
 /// The number of a cell, brought back into the repeat; beyond the faces that of the nearest.
 fn fold_cell(cell: vec3f) -> vec3f {
@@ -51,22 +51,33 @@ fn fly_carried(ray: vec4f, across: vec2f, reach: u32, slab: vec2f, path: f32) ->
     if CELLS {
         let speed = m * P.per_edge.xyz;
         let high = P.counts.z + P.carry.z;
-        let begin = enter(skip_clear(vec3f(across, ray.w), reach, speed), speed, -P.carry.z, high);
+        let start = vec3f(across, ray.w);
+        let begin = enter(skip_clear(start, reach, speed), speed, -P.carry.z, high);
         let place = come_back(begin + speed * path);
+        var flown = path;
+        if MEMORY {
+            flown += dot((begin - start) / P.per_edge.xyz, m);
+        }
         let inside = place.z >= -P.carry.z && place.z <= high;
         let entry = cell_entry(fold_cell(floor(place + ahead(speed))));
         var factor = 1.0;
         if PLACEMENT == 2u {
             factor = bitcast<f32>(cell_entry(fold_cell(floor(place))).y);
         }
-        return Site(place.z, place.xy, inside, inside, factor, entry.z, entry.w, 0.0);
+        return Site(place.z, place.xy, inside, inside, factor, entry.z, entry.w, 0.0, flown);
     }
     let low = slab.x - P.carry.z;
     let high = slab.y + P.carry.z;
     let begin = enter(vec3f(0.0, 0.0, ray.w), m, low, high);
     let z = begin.z + m.z * path;
     let inside = z <= high && z >= low;
-    return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0);
+    let flown = path + select(0.0, (begin.z - ray.w) / m.z, begin.z != ray.w);
+    return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0, flown);
+}
+
+/// From the axis of a fiber to where a ray hits it at an offset, in radii times |m × p|; `across` is m × p.
+fn surface_normal(m: vec3f, p: vec3f, across: vec3f, offset: f32) -> vec3f {
+    return sqrt((1.0 - offset) * (1.0 + offset)) * (dot(m, p) * p - m) + offset * across;
 }
 
 /// The share of the majorant's events that the cell of a fiber's axis takes; `normal` leads from the axis to the hit, in mm.

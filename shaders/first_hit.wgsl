@@ -1,5 +1,5 @@
 // Walks that set out from the first fiber that a straight ray meets.
-// uses: layout, rng, medium, cylinder
+// uses: layout, rng, medium, cylinder, memory
 
 /// Walks first meet fibers of realizations, which the host has found.
 override FIRST_HITS: bool = false;
@@ -15,6 +15,7 @@ struct Begun {
     base_exits: u32,
     /// Path length inside each kind of fiber, in mm.
     lengths: vec4f,
+    memory: Memory,
 }
 
 /// Send a walk of a start along its ray and through the fiber there. Walks of a start take its rays by turns; `walk` is counted
@@ -31,11 +32,21 @@ fn first_hit(start: u32, walk: u32, id: vec2u) -> Begun {
     let number = select(0.0, uniform_open(threefry(P.seed, vec4u(id, 0u, PURPOSE_EVENT)).z), hit);
     let passage = scatter(m, p, across, max(length(across), 1e-12), optics, ray.ray.w, number);
     var place = ray.place.xyz;
+    var memory = no_memory();
     if PLACEMENT > 0u {
-        place += select(vec3f(0.0), passage.displacement * (optics.w * P.per_edge.xyz), hit);
+        let displacement = passage.displacement * optics.w;
+        place += select(vec3f(0.0), displacement * P.per_edge.xyz, hit);
+        if MEMORY {
+            let slab = slab_of(start);
+            let face = select(faces(slab).x - P.carry.w, faces(slab).y + P.carry.w, m.z < 0.0);
+            let flown = max((ray.place.z / P.per_edge.z - face) / m.z, 0.0);
+            let normal = surface_normal(m, p, across, ray.ray.w) * (optics.w / max(length(across), 1e-12));
+            let passed = Passed(m, normal, p, kind, displacement);
+            memory = hit_remembered(memory, passed, flown, passage.m, place.z / P.per_edge.z, slab);
+        }
     }
     let inside = select(0.0, passage.path * optics.w, hit);
     let lengths = select(vec4f(0.0), vec4f(inside), vec4u(0u, 1u, 2u, 3u) == vec4u(kind));
     let hits = select(0u, 1u, hit);
-    return Begun(vec4f(select(m, passage.m, hit), place.z), place.xy, hits, hits * passage.through_base, lengths);
+    return Begun(vec4f(select(m, passage.m, hit), place.z), place.xy, hits, hits * passage.through_base, lengths, memory);
 }

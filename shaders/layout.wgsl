@@ -102,6 +102,17 @@ struct Lane {
     /// Fibers that the next walk has hit, and bases that it has left through.
     next_hits: u32,
     next_base_exits: u32,
+    /// What the walk remembers, as `Memory` says.
+    flight_from: vec4f,
+    flight_to: vec4f,
+    left_axis: vec4f,
+    left_fiber: vec4f,
+    known_fiber: vec4f,
+    /// What the next walk remembers of its first flight.
+    next_flight_from: vec4f,
+    next_flight_to: vec4f,
+    next_left_axis: vec4f,
+    next_left_fiber: vec4f,
 }
 
 /// Sums over all lanes; pairs are low and high words.

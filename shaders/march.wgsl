@@ -32,6 +32,8 @@ struct Site {
     reach: u32,
     /// Optical depth that is left; negative when the next flight sets out.
     depth: f32,
+    /// Way flown in this event, in mm, where flights set out from where light leaves fibers.
+    path: f32,
 }
 
 /// A block of cells around a ray, in edges of a cell.
@@ -88,7 +90,7 @@ fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, slab: vec2f, word:
         // A place that is no number is outside.
         let inside = hit || select(place.z > 0.0, P.counts.z > place.z, m.z > 0.0);
         let rest = max(depth - rate * block.time, 0.0);
-        return Site(place.z, place.xy, inside, hit, 1.0, block.list, 0u, select(rest, depth, hit));
+        return Site(place.z, place.xy, inside, hit, 1.0, block.list, 0u, select(rest, depth, hit), 0.0);
     }
     let rate = visible_area(0u, m) / P.mean_free_path;
     let still = abs(m.z) < 1e-12;
@@ -96,5 +98,5 @@ fn march(ray: vec4f, across: vec2f, arrived: bool, left: f32, slab: vec2f, word:
     let free = depth / max(rate, 1e-30);
     let hit = arrived || free < time;
     let z = select(clamp(ray.w + m.z * free, slab.x, slab.y), ray.w, arrived);
-    return Site(z, vec2f(0.0), hit, hit, 1.0, 0u, 0u, depth);
+    return Site(z, vec2f(0.0), hit, hit, 1.0, 0u, 0u, depth, 0.0);
 }

@@ -1,5 +1,5 @@
 // The kernel: one flat loop, one tentative event of one walk per lane and pass.
-// uses: layout, rng, cells, medium, march, carried, cylinder, goniometer, score, first_hit
+// uses: layout, rng, cells, medium, march, memory, carried, cylinder, goniometer, score, first_hit
 
 override WORKGROUP: u32 = 64;
 /// Passes of a dispatch.
@@ -49,22 +49,40 @@ fn step(lane: ptr<function, Lane>) {
     let words = threefry(P.seed, vec4u((*lane).id, (*lane).event, PURPOSE_EVENT));
     let m = (*lane).ray.xyz;
     let slab = slab_of((*lane).start);
-    let site = fly(lane, m, slab, words.x);
+    var site = fly(lane, m, slab, words.x);
     // Draw the fiber there and see whether the ray hits it.
-    let fiber = draw_fiber(words, site.list);
+    var fiber = draw_fiber(words, site.list);
+    var offset = 2.0 * uniform_open(words.w) - 1.0;
+    let memory = remembered(lane);
+    let flown = min(memory.flight_from.w + site.path, memory.flight_to.w);
+    let known = MEMORY && flown == memory.flight_to.w;
+    if MEMORY {
+        // Come to the fiber that is known, if it is on the way.
+        let there = come_to(lane, m, flown - memory.flight_from.w);
+        site = Site(
+            select(site.z, there.z, known), select(site.place, there.xy, known), site.inside || known,
+            site.arrived || known, site.share, site.list, select(site.reach, 0u, known), site.depth, site.path,
+        );
+        fiber.p = select(fiber.p, memory.known_fiber.xyz, known);
+        fiber.kind = select(fiber.kind, u32(max(memory.known_fiber.w, 0.0)), known);
+        offset = select(offset, memory.left_axis.w, known);
+    }
     let across = cross(m, fiber.p);
     let visible = max(length(across), 1e-12);
-    let offset = 2.0 * uniform_open(words.w) - 1.0;
     let optics = kind_optics(fiber.kind);
+    let normal = surface_normal(m, fiber.p, across, offset) * (optics.w / visible);
     var share = site.share;
     if PLACEMENT > 0u {
-        let facing = sqrt((1.0 - offset) * (1.0 + offset)) * (dot(m, fiber.p) * fiber.p - m);
-        share *= share_of_axis(vec3f(site.place, site.z), (facing + offset * across) * (optics.w / visible), slab);
+        share *= share_of_axis(vec3f(site.place, site.z), normal, slab);
     }
-    let seen = select(visible, max(share * visible, 1e-12), (CELLS && VISIBLE_N == 0u) || PLACEMENT > 0u);
+    var seen = select(visible, max(share * visible, 1e-12), (CELLS && VISIBLE_N == 0u) || PLACEMENT > 0u);
+    seen = select(seen, 1.0, known);
     let accept = uniform_open(words.z);
     let inside = site.inside;
-    let hit = site.arrived && accept < seen;
+    var hit = site.arrived && accept < seen;
+    if MEMORY {
+        hit = hit && (known || !rules_out(memory, m, flown, normal, fiber.p, optics.w));
+    }
     // A ray that hits nothing gets the number of plain reflection, which ends the chords at once.
     let number = select(0.0, accept / seen, hit);
     let passage = scatter(m, fiber.p, across, visible, optics, offset, number);
@@ -88,6 +106,11 @@ fn step(lane: ptr<function, Lane>) {
         there += select(vec3f(0.0), passage.displacement * (optics.w * P.per_edge.xyz), hit);
         reach = select(reach, 0u, hit);
     }
+    if MEMORY {
+        let passed = Passed(m, normal, fiber.p, fiber.kind, passage.displacement * optics.w);
+        let after = hit_remembered(memory, passed, flown, passage.m, there.z / P.per_edge.z, slab);
+        remember(lane, after, flown, walking, hit);
+    }
     (*lane).ray = select((*lane).ray, vec4f(turned, there.z), walking);
     if CELLS {
         (*lane).place = select((*lane).place, there.xy, walking);
@@ -106,6 +129,23 @@ fn step(lane: ptr<function, Lane>) {
     change_walk(lane);
 }
 
+/// The place of a lane after so many mm.
+fn come_to(lane: ptr<function, Lane>, m: vec3f, path: f32) -> vec3f {
+    let place = vec3f((*lane).place, (*lane).ray.w) + m * P.per_edge.xyz * path;
+    return select(place, come_back(place), CELLS);
+}
+
+/// Keep what is remembered after an event of a walk.
+fn remember(lane: ptr<function, Lane>, after: Memory, flown: f32, walking: bool, hit: bool) {
+    let passed = walking && hit;
+    (*lane).flight_from.w = select((*lane).flight_from.w, flown, walking);
+    (*lane).flight_from = select((*lane).flight_from, after.flight_from, passed);
+    (*lane).flight_to = select((*lane).flight_to, after.flight_to, passed);
+    (*lane).left_axis = select((*lane).left_axis, after.left_axis, passed);
+    (*lane).left_fiber = select((*lane).left_fiber, after.left_fiber, passed);
+    (*lane).known_fiber = select((*lane).known_fiber, after.known_fiber, passed);
+}
+
 /// Fly through one event; a sheet lies between the heights of `slab`.
 fn fly(lane: ptr<function, Lane>, m: vec3f, slab: vec2f, word: u32) -> Site {
     if VISIBLE_N > 0u {
@@ -121,11 +161,11 @@ fn fly(lane: ptr<function, Lane>, m: vec3f, slab: vec2f, word: u32) -> Site {
         let place = come_back(begin + speed * path);
         let inside = place.z >= 0.0 && place.z <= P.counts.z;
         let entry = cell_entry(cell_of(place));
-        return Site(place.z, place.xy, inside, inside, bitcast<f32>(entry.x), entry.z, entry.w, 0.0);
+        return Site(place.z, place.xy, inside, inside, bitcast<f32>(entry.x), entry.z, entry.w, 0.0, 0.0);
     }
     let z = (*lane).ray.w + m.z * path;
     let inside = z <= slab.y && z >= slab.x;
-    return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0);
+    return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0, 0.0);
 }
 
 /// Play Russian roulette, every 16 events, with a walk whose brightest channel may have kept little: it goes on with the
@@ -179,6 +219,18 @@ fn change_walk(lane: ptr<function, Lane>) {
     if CELLS {
         (*lane).place = select((*lane).place, (*lane).next_place, starting);
         (*lane).reach = select((*lane).reach, (*lane).next_reach, starting);
+    }
+    if MEMORY {
+        var begun = no_memory();
+        if FIRST_HITS {
+            let none = begun.known_fiber;
+            begun = Memory((*lane).next_flight_from, (*lane).next_flight_to, (*lane).next_left_axis, (*lane).next_left_fiber, none);
+        }
+        (*lane).flight_from = select((*lane).flight_from, begun.flight_from, starting);
+        (*lane).flight_to = select((*lane).flight_to, begun.flight_to, starting);
+        (*lane).left_axis = select((*lane).left_axis, begun.left_axis, starting);
+        (*lane).left_fiber = select((*lane).left_fiber, begun.left_fiber, starting);
+        (*lane).known_fiber = select((*lane).known_fiber, begun.known_fiber, starting);
     }
     if VISIBLE_N > 0u {
         (*lane).refused = select((*lane).refused, 0u, starting);
@@ -262,6 +314,12 @@ fn ready_next(lane: ptr<function, Lane>) {
         (*lane).next_hits = begun.hits;
         (*lane).next_base_exits = begun.base_exits;
         (*lane).next_lengths = begun.lengths;
+        if MEMORY {
+            (*lane).next_flight_from = begun.memory.flight_from;
+            (*lane).next_flight_to = begun.memory.flight_to;
+            (*lane).next_left_axis = begun.memory.left_axis;
+            (*lane).next_left_fiber = begun.memory.left_fiber;
+        }
     } else {
         set_out(lane, start, threefry(P.seed, vec4u(id, 0u, PURPOSE_START)));
     }

@@ -34,7 +34,7 @@ fn the_grid_finds_what_a_search_of_all_fibers_finds() {
     let walks = |counts: [u8; 3], keep: usize| {
         let fibers = &realization.fibers[..keep];
         let grid = FiberGrid::with_cells(fibers, realization.period, counts).expect("they are sorted");
-        let bodies = Bodies { grid: &grid, kinds: &kinds, places: &[0], half_length: f64::INFINITY };
+        let bodies = Bodies { grid: &grid, anew: &[], kinds: &kinds, places: &[0], half_length: f64::INFINITY };
         let plan = WalkPlan::new(5, 0);
         let mut found = Vec::new();
         for start in 0..goniometer.starts() {
@@ -153,7 +153,7 @@ fn light_goes_through_fibers_as_the_tracer_says() {
     let measure = |crossed: &Crossed, walks: u64| {
         let grid = FiberGrid::new(&crossed.curves(), DVec2::splat(crossed.period)).expect("they are sorted");
         let kinds = [Kind { radius: crossed.radius, ior: crossed.ior, absorption: vec![0.0] }];
-        let bodies = Bodies { grid: &grid, kinds: &kinds, places: &[0], half_length: f64::INFINITY };
+        let bodies = Bodies { grid: &grid, anew: &[], kinds: &kinds, places: &[0], half_length: f64::INFINITY };
         let (mut light, mut direct, mut hits) = ([0u64; 2], 0, 0);
         let layout = goniometer.layout();
         for i in 0..walks {

@@ -65,12 +65,12 @@ fn check_all(shader: &Shader) -> usize {
 
 #[test]
 fn the_kernel_runs_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::walk()), 4 * 512, "one entry point, nine flags, four kinds of flight");
+    assert_eq!(check_all(&Shader::walk()), 4 * 1024, "one entry point, ten flags, four kinds of flight");
 }
 
 #[test]
 fn the_probes_run_everywhere_with_every_combination_of_flags() {
-    assert_eq!(check_all(&Shader::probe()), 4 * 12 * 32, "twelve entry points, five flags, four kinds of flight");
+    assert_eq!(check_all(&Shader::probe()), 4 * 12 * 64, "twelve entry points, six flags, four kinds of flight");
 }
 
 #[test]

@@ -79,6 +79,10 @@ pub struct Arguments {
     /// fibers for yarns, medium for sheets]
     #[arg(long, value_name = "FIRST")]
     first_hit: Option<String>,
+    /// What walks remember after a hit: none, or flight, the last flight and the fiber that it set out from [default: flight
+    /// for yarns, none for sheets and with --placement at-hit]
+    #[arg(long, value_name = "MEMORY")]
+    memory: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, at
     /// most 2^20 cells]
     #[arg(long, value_name = "CELLS")]
@@ -297,6 +301,7 @@ impl Arguments {
             ("placement", &self.placement),
             ("direct", &self.direct),
             ("first-hit", &self.first_hit),
+            ("memory", &self.memory),
             ("cells", &self.cells),
             ("directions", &self.directions),
             ("cone", &self.cone),

@@ -19,6 +19,9 @@ const FEWEST_WALKS: usize = 4096;
 /// Bytes of a realization that are worth one more walk through it.
 const BYTES_PER_WALK: usize = 256;
 
+/// Realizations that walks go on through by turns, where each hit is followed by another realization.
+const ANEW: u64 = 32;
+
 /// Draws a realization from its number.
 type Draw = Box<dyn Fn(u64) -> Result<Realization> + Send + Sync>;
 
@@ -28,6 +31,7 @@ pub struct Explicit {
     kinds: Vec<Kind>,
     places: Vec<usize>,
     half_length: f64,
+    anew: bool,
     walks_per_realization: usize,
     most_of_start: usize,
     bytes: [usize; 2],
@@ -66,12 +70,20 @@ impl Explicit {
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
+            anew: false,
             walks_per_realization: walks_per_realization.unwrap_or(by_size),
             most_of_start: if walks_per_realization.is_some() { usize::MAX } else { MOST_OF_START },
             bytes: first.bytes(),
             pieces: first.tubes().len(),
             fates: Mutex::new(BTreeMap::new()),
         })
+    }
+
+    /// The same, but the light forgets the fibers after each hit: it goes on from there through another realization. So it meets
+    /// what a medium without cells and directions of finite size would have, and falls short of the fibers by what no medium
+    /// knows.
+    pub fn anew(self) -> Explicit {
+        Explicit { anew: true, ..self }
     }
 
     /// Memory of one realization in bytes: its pieces of fibers, and the grid that finds them. There is one for each thread.
@@ -100,10 +112,33 @@ impl Explicit {
         Clustering::new(&fates.values().copied().collect::<Vec<_>>(), tally)
     }
 
-    /// The walks of a plan that go through one realization, each with its start.
-    fn walk_through(&self, goniometer: &Goniometer, plan: &WalkPlan, number: u64) -> Result<Vec<(usize, Score)>> {
-        let grid = sorted(&(self.draw)(number)?)?;
-        let bodies = Bodies { grid: &grid, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
+    /// The walks of a plan that go through realizations, each with its start, realization by realization.
+    fn walk_through(
+        &self,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+        numbers: &[u64],
+    ) -> Result<Vec<Vec<(usize, Score)>>> {
+        let drawn = |number: &u64| -> Result<FiberGrid> { sorted(&(self.draw)(*number)?) };
+        if !self.anew {
+            let one = |number: &u64| Ok(self.walk_in(goniometer, plan, *number, &drawn(number)?, &[]));
+            return numbers.par_iter().map(one).collect();
+        }
+        let grids: Vec<FiberGrid> = numbers.par_iter().map(drawn).collect::<Result<_>>()?;
+        let one = |(number, grid): (&u64, &FiberGrid)| self.walk_in(goniometer, plan, *number, grid, &grids);
+        Ok(numbers.par_iter().zip(&grids).map(one).collect())
+    }
+
+    /// The walks of a plan that set out through one realization, whose fibers are in `grid`.
+    fn walk_in(
+        &self,
+        goniometer: &Goniometer,
+        plan: &WalkPlan,
+        number: u64,
+        grid: &FiberGrid,
+        anew: &[FiberGrid],
+    ) -> Vec<(usize, Score)> {
+        let bodies = Bodies { grid, anew, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
         let each = self.walks_of_start(goniometer.starts());
         let walks = plan.walks();
         let own = walks.start.max(number * each)..walks.end.min((number + 1) * each);
@@ -111,10 +146,10 @@ impl Explicit {
             let walked = walk(&bodies, goniometer, plan, start, i);
             (start, Score::new(&walked, &self.kinds, goniometer, plan.seed, start, i))
         };
-        Ok((0..goniometer.starts())
+        (0..goniometer.starts())
             .flat_map(|start| own.clone().map(move |i| (start, i)))
             .map(|(start, i)| score(start, i))
-            .collect())
+            .collect()
     }
 }
 
@@ -131,9 +166,9 @@ impl Walker for Explicit {
         let realizations: Vec<u64> =
             if walks.is_empty() { vec![] } else { (walks.start / each..=(walks.end - 1) / each).collect() };
         let mut tally = Tally::new(origin.clone(), goniometer.layout(), starts, Kind::channels(&self.kinds));
-        for some in realizations.chunks(rayon::current_num_threads()) {
-            let parts: Vec<Vec<(usize, Score)>> =
-                some.par_iter().map(|&number| self.walk_through(goniometer, plan, number)).collect::<Result<_>>()?;
+        let threads = rayon::current_num_threads();
+        for some in realizations.chunk_by(|a, b| if self.anew { a / ANEW == b / ANEW } else { b % threads as u64 != 0 }) {
+            let parts = self.walk_through(goniometer, plan, some)?;
             let mut fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             for (number, scores) in some.iter().zip(&parts) {
                 scores.iter().for_each(|(start, score)| score.add_to(&mut tally, *start));

@@ -11,6 +11,8 @@ use crate::walk::{EventDraws, Purpose, ROULETTE_EVERY, WalkPlan, Walked, draw, s
 pub struct Bodies<'a> {
     /// The fibers of a realization.
     pub grid: &'a FiberGrid,
+    /// Where the light goes on after each hit: through one of these realizations, drawn anew; without any, through the same.
+    pub anew: &'a [FiberGrid],
     /// Kinds of fiber.
     pub kinds: &'a [Kind],
     /// Of each kind of the scene, its place in `kinds`.
@@ -22,7 +24,7 @@ pub struct Bodies<'a> {
 /// Walk number `i` of a start through one realization, until the light leaves it or is given up. Its events are the pieces
 /// that were tested.
 pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Walked {
-    let Bodies { grid, kinds, places, half_length } = bodies;
+    let Bodies { mut grid, anew, kinds, places, half_length } = *bodies;
     let id = WalkPlan::walk_id(goniometer.starts(), i, start);
     let lit = goniometer.side(start);
     let words = draw(plan.seed, id, 0, Purpose::Start);
@@ -48,10 +50,14 @@ pub fn walk(bodies: &Bodies, goniometer: &Goniometer, plan: &WalkPlan, start: us
         let draws = EventDraws::new(draw(plan.seed, id, hit, Purpose::Event));
         let piece = &grid.tubes()[tube];
         let kind = places[piece.kind()];
-        let passage = Encounter::new(m, piece.direction(), offset, kinds[kind].ior).pass(draws.accept, *half_length);
+        let passage = Encounter::new(m, piece.direction(), offset, kinds[kind].ior).pass(draws.accept, half_length);
         m = passage.direction.normalize();
         place = point + passage.displacement * piece.radius();
         left = Some(tube);
+        if !anew.is_empty() {
+            let number = uniform(draw(plan.seed, id, hit, Purpose::Realization)[0]);
+            (grid, left) = (&anew[(number * anew.len() as f64) as usize], None);
+        }
         walked.lengths[kind] += passage.path * piece.radius();
         walked.base_exits += u32::from(passage.through_base);
         walked.record.hits += 1;

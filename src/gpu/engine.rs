@@ -208,6 +208,7 @@ impl<'a> Run<'a> {
             cells: cells > 0,
             visible_n: tables.visible.as_ref().map_or(0, |visible| visible.n),
             placement: placement(tables),
+            memory: tables.carry.is_some_and(|carry| carry.memory),
             first_hits: plan.first_hits.is_some(),
         };
         let origin = Origin { engine: "gpu".into(), adapter: gpu.adapter(), seed: plan.seed };

@@ -54,7 +54,9 @@ gpu_struct! {
         block_walk: u32, block_end: u32, lengths: [f32; 4], pending_lengths: [f32; 4], next_lengths: [f32; 4], log_gain: f32,
         pending_log_gain: f32, roulette: f32, roulette_ready: u32, base_exits: u32, pending_base_exits: u32,
         place: [f32; 2], next_place: [f32; 2], reach: u32, next_reach: u32,
-        depth_left: f32, refused: u32, next_hits: u32, next_base_exits: u32,
+        depth_left: f32, refused: u32, next_hits: u32, next_base_exits: u32, flight_from: [f32; 4], flight_to: [f32; 4],
+        left_axis: [f32; 4], left_fiber: [f32; 4], known_fiber: [f32; 4], next_flight_from: [f32; 4],
+        next_flight_to: [f32; 4], next_left_axis: [f32; 4], next_left_fiber: [f32; 4],
     }
 }
 

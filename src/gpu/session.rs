@@ -32,6 +32,7 @@ pub struct Shape {
     pub visible_n: u32,
     /// As the shaders number it.
     pub placement: u32,
+    pub memory: bool,
     pub first_hits: bool,
 }
 
@@ -142,7 +143,7 @@ impl<'a> Session<'a> {
     }
 }
 
-fn overrides(shape: &Shape) -> [(&'static str, f64); 18] {
+fn overrides(shape: &Shape) -> [(&'static str, f64); 19] {
     let flag = |on: bool| f64::from(u8::from(on));
     [
         ("WORKGROUP", f64::from(shape.workgroup)),
@@ -160,6 +161,7 @@ fn overrides(shape: &Shape) -> [(&'static str, f64); 18] {
         ("ROULETTE", flag(shape.roulette)),
         ("VISIBLE_N", f64::from(shape.visible_n)),
         ("PLACEMENT", f64::from(shape.placement)),
+        ("MEMORY", flag(shape.memory)),
         ("CELLS", flag(shape.cells)),
         ("CELLS_IN_TEXTURE", flag(shape.in_texture.cells)),
         ("FIRST_HITS", flag(shape.first_hits)),

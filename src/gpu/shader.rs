@@ -4,7 +4,7 @@ use super::layout::{BLOCK, TEXTURE_BITS, UNIFORM_ENTRIES};
 use crate::error::{Error, Result};
 use crate::goniometer::{MOST_RINGS, OUTCOMES, WEIGHT};
 use crate::scene::{MAX_CHANNELS, MAX_KINDS};
-use crate::walk::{MOST_REFUSALS, Purpose, ROULETTE_BELOW, ROULETTE_EVERY};
+use crate::walk::{MOST_REFUSALS, Purpose, ROULETTE_BELOW, ROULETTE_EVERY, STRAIGHT};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader of several parts.
@@ -44,6 +44,7 @@ impl Shader {
             part!("cells.wgsl"),
             part!("medium.wgsl"),
             part!("march.wgsl"),
+            part!("memory.wgsl"),
             part!("carried.wgsl"),
             part!("cylinder.wgsl"),
             part!("goniometer.wgsl"),
@@ -125,8 +126,8 @@ fn constants() -> String {
         ("ROULETTE_EVERY", ROULETTE_EVERY),
         ("MOST_REFUSALS", MOST_REFUSALS),
     ];
-    let share = format!("const ROULETTE_BELOW: f32 = {ROULETTE_BELOW:?};\n");
-    numbers.into_iter().map(constant).collect::<String>() + &share
+    let floats = format!("const ROULETTE_BELOW: f32 = {ROULETTE_BELOW:?};\nconst STRAIGHT: f32 = {STRAIGHT:?};\n");
+    numbers.into_iter().map(constant).collect::<String>() + &floats
 }
 
 #[cfg(test)]

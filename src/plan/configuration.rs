@@ -4,7 +4,7 @@ use crate::cloth::Cloth;
 use crate::distribution::{cells_of_edge, thinnest_radius, usual_edge};
 use crate::error::Result;
 use crate::goniometer::Goniometer;
-use crate::scene::{Direct, FirstHit, Medium, Model, Packing, Placement, Scene, Structure, Tracking};
+use crate::scene::{Direct, FirstHit, Medium, Memory, Model, Packing, Placement, Scene, Structure, Tracking};
 use crate::walk::{Purpose, draw};
 use std::fmt::Write;
 
@@ -47,6 +47,8 @@ pub struct Configuration {
     pub edge: Option<f64>,
     /// Walks of each start through one realization; of the fibers themselves only.
     pub each: Option<u64>,
+    /// Light goes on through another realization after each hit; of the fibers themselves only.
+    pub anew: bool,
 }
 
 impl Configuration {
@@ -54,7 +56,7 @@ impl Configuration {
     pub fn of(scene: &Scene, extent: &Extent) -> Configuration {
         let model = Model { medium: Medium::Implicit, ..scene.model };
         let edge = if model.cells.is_none() { extent.usual_edge() } else { None };
-        Configuration { model, edge, each: None }
+        Configuration { model, edge, each: None, anew: false }
     }
 
     /// The fibers themselves, with as many walks of each start through one realization as make 4096 in all, at most 256.
@@ -66,12 +68,18 @@ impl Configuration {
     /// The fibers themselves, laid as the scene says, with so many walks of each start through one realization.
     pub fn fibers(scene: &Scene, each: u64) -> Configuration {
         let model = Model { medium: Medium::Explicit, cells: None, ..scene.model };
-        Configuration { model, edge: None, each: Some(each.max(1)) }
+        Configuration { model, edge: None, each: Some(each.max(1)), anew: false }
+    }
+
+    /// With light that goes on through another realization after each hit.
+    pub fn forgetful(self) -> Configuration {
+        Configuration { anew: true, ..self }
     }
 
     /// With another placement.
     pub fn placed(mut self, placement: Placement) -> Configuration {
         (self.model.placement, self.model.placement_chosen) = (placement, true);
+        self.model.settle();
         self
     }
 
@@ -102,6 +110,12 @@ impl Configuration {
     /// With direct light from elsewhere.
     pub fn lit(mut self, direct: Direct) -> Configuration {
         self.model.direct = direct;
+        self
+    }
+
+    /// With another memory.
+    pub fn remembering(mut self, memory: Memory) -> Configuration {
+        (self.model.memory, self.model.memory_chosen) = (memory, true);
         self
     }
 
@@ -156,14 +170,14 @@ impl Configuration {
     /// directions, and every setting that is not the usual one. The fibers themselves are `fibers 256w`, with the walks of each
     /// start through one realization.
     pub fn name(&self) -> String {
-        let Model { medium, tracking, placement, direct, first_hit, packing, directions, length_over_radius, .. } =
+        let Model { medium, tracking, placement, direct, first_hit, memory, packing, directions, length_over_radius, .. } =
             self.model;
         let mut name = String::new();
         if packing == Packing::Separate {
             name += "separate ";
         }
         if let (Medium::Explicit, Some(each)) = (medium, self.each) {
-            return name + &format!("fibers {each}w");
+            return name + &format!("fibers {each}w{}", if self.anew { " anew" } else { "" });
         }
         if tracking == Tracking::Tabulated {
             name += "tabulated ";
@@ -184,6 +198,11 @@ impl Configuration {
         }
         if first_hit != usual.first_hit {
             name += if first_hit == FirstHit::Medium { " first hit in the medium" } else { " first hit on fibers" };
+        }
+        let mut settled = Model { memory_chosen: false, ..self.model };
+        settled.settle();
+        if memory != settled.memory {
+            name += if memory == Memory::None { " without memory" } else { " with memory" };
         }
         if length_over_radius.is_finite() {
             let _ = write!(name, " length {}", short(length_over_radius));
@@ -219,6 +238,7 @@ mod tests {
             usual.placed(Placement::AtHit).tracked(Tracking::Tabulated).name(),
             usual.lit(Direct::Walks).directed(64).name(),
             usual.hit_first(FirstHit::Medium).name(),
+            usual.remembering(Memory::None).name(),
             Configuration::fibers(&voile, 256).name(),
         ];
         let expected = [
@@ -227,6 +247,7 @@ mod tests {
             "tabulated at-hit 2R 1024d",
             "carried 2R 64d direct by walks",
             "carried 2R 1024d first hit in the medium",
+            "carried 2R 1024d without memory",
             "fibers 256w",
         ];
         assert_eq!(names, expected);

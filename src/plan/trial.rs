@@ -66,7 +66,7 @@ impl Trial {
                 let laid_out = started.elapsed().as_secs_f64();
                 let explicit = Explicit::drawn(&scene, through, move |number| realizer.draw(OF_MEDIA + number))?;
                 drawing = started.elapsed().as_secs_f64() - laid_out;
-                Body::Fibers(Box::new(explicit))
+                Body::Fibers(Box::new(if configuration.anew { explicit.anew() } else { explicit }))
             }
         };
         Ok(Trial { configuration, goniometer, body, seconds: started.elapsed().as_secs_f64(), drawing })

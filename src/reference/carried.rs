@@ -25,7 +25,7 @@ pub struct Touch {
 
 impl Touch {
     /// From the axis to the hit, R n (paper §4); nothing where the ray runs along the fiber.
-    fn normal(&self) -> Option<DVec3> {
+    pub(super) fn normal(&self) -> Option<DVec3> {
         let Touch { m, p, offset, radius } = *self;
         let across = m.cross(p);
         let length = across.length();
@@ -48,13 +48,23 @@ impl Flight {
     ) -> Event {
         let slab = [-tables.thickness - carry.radius, carry.radius];
         let shift = m * (FRAC_PI_4 * carry.radius);
-        let station = &mut self.station;
+        let (begin, station) = (self.station, &mut self.station);
+        let mut path = 0.0;
         if let Some(cells) = tables.cells.as_ref().filter(|_| !self.left_fiber) {
-            station.skip_clear(cells, carry.radius, m, shift, witness);
+            path += station.skip_clear(cells, carry.radius, m, shift, witness);
         }
         self.left_fiber = false;
-        station.enter(slab, m, witness);
-        station.fly(grid, m, free_path(tables, draws));
+        path += station.enter(slab, m, witness);
+        let free = free_path(tables, draws);
+        station.fly(grid, m, free);
+        if let Some(memory) = &mut self.memory {
+            let (path, known) = memory.fly(path + free, station.blur, witness);
+            if let Some(known) = known {
+                *station = begin;
+                station.fly(grid, m, path);
+                return Event::Known(known);
+            }
+        }
         let z = station.place.z;
         witness.decide(|| (z - slab[0]).abs().min((z - slab[1]).abs()) / tables.thickness);
         if z < slab[0] || z > slab[1] {
@@ -93,10 +103,21 @@ impl Flight {
         self.station.entry_at(cells, -normal).share
     }
 
-    /// The light has left a fiber, this far from where it hit it.
-    pub(super) fn carry(&mut self, displacement: DVec3) {
+    /// The light goes on along `out` from where it has left a fiber, this far from where it hit it.
+    pub(super) fn carry(
+        &mut self,
+        touch: &Touch,
+        kind: usize,
+        displacement: DVec3,
+        out: DVec3,
+        witness: &mut impl Witness,
+    ) {
         self.station.place += displacement;
         self.left_fiber = true;
+        let z = self.station.place.z;
+        if let Some(memory) = &mut self.memory {
+            memory.hit(touch, kind, displacement, (z, out), witness);
+        }
     }
 }
 
@@ -118,30 +139,32 @@ impl Station {
         (cell, wrapped)
     }
 
-    /// A ray that comes back to the cloth flies straight to where fibers can be hit.
-    fn enter(&mut self, slab: [f64; 2], m: DVec3, witness: &mut impl Witness) {
+    /// A ray that comes back to the cloth flies straight to where fibers can be hit: how far.
+    fn enter(&mut self, slab: [f64; 2], m: DVec3, witness: &mut impl Witness) -> f64 {
         let z = self.place.z;
         let face = if z > slab[1] { slab[1] } else { slab[0] };
         if z <= slab[1] && z >= slab[0] {
-            return;
+            return 0.0;
         }
         witness.decide(|| m.z);
-        if (face - z) * m.z > 0.0 {
-            let path = (face - z) / m.z;
-            self.place += m * path;
-            self.place.z = face;
-            self.blur = self.blur.max(path / m.z.abs());
+        if (face - z) * m.z <= 0.0 {
+            return 0.0;
         }
+        let path = (face - z) / m.z;
+        self.place += m * path;
+        self.place.z = face;
+        self.blur = self.blur.max(path / m.z.abs());
+        path
     }
 
     /// Jump to where the ray comes within a radius of the end of the block of empty cells about here, if the place is
-    /// farther inside than that.
-    fn skip_clear(&mut self, cells: &Cells, radius: f64, m: DVec3, shift: DVec3, witness: &mut impl Witness) {
+    /// farther inside than that: how far.
+    fn skip_clear(&mut self, cells: &Cells, radius: f64, m: DVec3, shift: DVec3, witness: &mut impl Witness) -> f64 {
         let grid = &cells.grid;
         let (cell, wrapped) = self.unfolded(grid, shift);
         let reach = cells.entries[grid.index(wrapped)].reach;
         if reach.across == 0 {
-            return;
+            return 0.0;
         }
         let block = DVec3::from([reach.across, reach.across, reach.along].map(f64::from));
         let edges = grid.edges();
@@ -162,7 +185,7 @@ impl Station {
         }
         witness.decide(|| inside.abs().min_element() / self.blur);
         if inside.min_element() < 0.0 {
-            return;
+            return 0.0;
         }
         let face = DVec3::select(m.cmpgt(DVec3::ZERO), high, low);
         let path = |axis: usize| if m[axis] == 0.0 { f64::INFINITY } else { (face[axis] - self.place[axis]) / m[axis] };
@@ -171,5 +194,6 @@ impl Station {
         self.place += m * path;
         self.place[first] = face[first];
         self.blur = self.blur.max(path / m[first].abs());
+        path
     }
 }

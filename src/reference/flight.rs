@@ -1,6 +1,7 @@
 //! Flights to the next collision, by null collisions or by the table of H(m) (paper §4).
 
 use super::cells::Station;
+use super::memory::{Known, Memory};
 use super::medium::free_path;
 use super::walk::Witness;
 use crate::distribution::CellGrid;
@@ -21,11 +22,13 @@ pub struct Flight {
     refused: u32,
     /// The flight starts on the surface of a fiber, where nothing is known of the cells about.
     pub(super) left_fiber: bool,
+    /// What the walk remembers, if it does.
+    pub(super) memory: Option<Memory>,
 }
 
 /// What one event brings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Event {
     /// The light has left the cloth.
     Left,
     /// The ray has come to the face of a cell.
@@ -33,16 +36,18 @@ pub enum Event {
     /// A fiber of this list is to be drawn, and hit with probability `share` |m × p|; when light is carried through fibers,
     /// times the share of the axis's cell.
     Fiber { share: f64, list: u32 },
+    /// The ray has come to a fiber that is known to be there.
+    Known(Known),
 }
 
 impl Flight {
     /// A walk that sets out from a station.
-    pub fn new(station: Station) -> Flight {
-        Flight { station, depth: None, densest: 0.0, refused: 0, left_fiber: false }
+    pub fn new(station: Station, memory: Option<Memory>) -> Flight {
+        Flight { station, depth: None, densest: 0.0, refused: 0, left_fiber: false, memory }
     }
 
     /// Fly on through one event.
-    pub fn event(
+    pub(super) fn event(
         &mut self,
         tables: &SamplingTables,
         grid: &CellGrid,

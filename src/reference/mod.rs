@@ -14,7 +14,8 @@ mod cells;
 mod engine;
 mod flight;
 mod medium;
+mod memory;
 mod walk;
 
 pub use engine::Reference;
-pub use walk::{Begun, Replay, replay, walk_on};
+pub use walk::{Replay, replay};

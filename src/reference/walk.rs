@@ -4,6 +4,7 @@ use super::carried::Touch;
 use super::cells::Station;
 use super::flight::{Event, Flight};
 use super::medium::draw_fiber;
+use super::memory::{Known, Memory};
 use crate::distribution::CellGrid;
 use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::{Encounter, Passage};
@@ -75,7 +76,8 @@ pub(super) fn walk(
     let beyond = tables.carry.map_or(0.0, |carry| carry.radius);
     let z = if lit == Side::Front { beyond } else { -tables.thickness - beyond };
     let period = tables.cells.as_ref().map_or(DVec2::splat(tables.thickness), |cells| cells.grid.period);
-    let begun = Begun { place: (start_place(words) * period).extend(z), m, walked: Walked::default() };
+    let place = (start_place(words) * period).extend(z);
+    let begun = Begun { place, m, walked: Walked::default(), memory: memory(tables) };
     go_on(tables, goniometer, plan, (start, i), begun, witness)
 }
 
@@ -102,31 +104,37 @@ fn first_hit(
     walked.record.hits = 1;
     walked.lengths[fiber.kind as usize] = passage.path * kind.radius;
     walked.base_exits = u32::from(passage.through_base);
-    let displacement = if tables.carry.is_some() { passage.displacement * kind.radius } else { DVec3::ZERO };
-    Ok(Begun { place: widen(fiber.place) + displacement, m: passage.direction.normalize(), walked })
+    let out = passage.direction.normalize();
+    let mut begun = Begun { place: widen(fiber.place), m: out, walked, memory: memory(tables) };
+    let Some(carry) = &tables.carry else { return Ok(begun) };
+    let face = if m.z < 0.0 { carry.radius } else { -tables.thickness - carry.radius };
+    let flown = ((begun.place.z - face) / m.z).max(0.0);
+    let displacement = passage.displacement * kind.radius;
+    begun.place += displacement;
+    if let Some(memory) = &mut begun.memory {
+        let touch = Touch { m, p, offset: f64::from(fiber.offset), radius: kind.radius };
+        memory.fly(flown, flown, witness);
+        memory.hit(&touch, fiber.kind as usize, displacement, (begun.place.z, out), witness);
+    }
+    Ok(begun)
+}
+
+/// What walks remember at first, if they remember anything.
+fn memory(tables: &SamplingTables) -> Option<Memory> {
+    let remembers = tables.carry.is_some_and(|carry| carry.memory);
+    remembers.then(|| Memory::new(tables.thickness, tables.half_length))
 }
 
 /// A walk that is under way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Begun {
+#[derive(Clone, Copy, Debug)]
+struct Begun {
     /// Where its next flight sets out, in mm.
-    pub place: DVec3,
+    place: DVec3,
     /// Where to.
-    pub m: DVec3,
-    /// How it went so far.
-    pub walked: Walked,
-}
-
-/// Let a walk go on through the medium that has begun elsewhere; its events have been drawn up to those it counts.
-pub fn walk_on(
-    tables: &SamplingTables,
-    goniometer: &Goniometer,
-    plan: &WalkPlan,
-    start: usize,
-    i: u64,
-    begun: Begun,
-) -> Walked {
-    go_on(tables, goniometer, plan, (start, i), begun, &mut Blind)
+    m: DVec3,
+    /// How it went so far, and what it remembers of that.
+    walked: Walked,
+    memory: Option<Memory>,
 }
 
 fn go_on(
@@ -137,50 +145,55 @@ fn go_on(
     begun: Begun,
     witness: &mut impl Witness,
 ) -> Walked {
-    let Begun { place, mut m, mut walked } = begun;
+    let Begun { place, mut m, mut walked, memory } = begun;
     let (id, lit) = (WalkPlan::walk_id(goniometer.starts(), i, start), goniometer.side(start));
     let homogeneous = CellGrid::homogeneous(tables.thickness);
     let grid = tables.cells.as_ref().map_or(&homogeneous, |cells| &cells.grid);
     let station = Station::start(grid, place);
     witness.decide(|| if tables.cells.is_some() { station.face_distance(grid) } else { f64::INFINITY });
-    let mut flight = Flight::new(station);
+    let mut flight = Flight::new(station, memory);
     flight.left_fiber = tables.carry.is_some() && walked.record.hits > 0;
     let roulette = plan.roulette && tables.absorbing();
     let layout = goniometer.layout();
     for event in walked.record.events..plan.max_events {
         let draws = EventDraws::new(draw(plan.seed, id, event, Purpose::Event));
         walked.record.events = event + 1;
-        let (share, list) = match flight.event(tables, grid, m, &draws, witness) {
+        // Come to a fiber that is known, or draw one here.
+        let (touch, kind, number) = match flight.event(tables, grid, m, &draws, witness) {
             Event::Left => {
                 witness.decide(|| bin_distance(goniometer, m, walked.record.hits));
                 walked.record.bin = goniometer.exit_bin(lit, m, walked.record.hits > 0) as u32;
                 return walked;
             }
-            Event::Passed => (0.0, 0),
-            Event::Fiber { share, list } => (share, list),
-        };
-        // Draw the fiber there and see whether the ray hits it.
-        let (p, kind) = draw_fiber(tables, list, &draws, plan.jitter);
-        let radius = tables.kinds[kind].radius;
-        let share = match &tables.carry {
-            Some(_) => {
-                share * flight.share_of_axis(tables, grid, &Touch { m, p, offset: draws.offset, radius }, witness)
+            Event::Passed => (None, 0, 0.0),
+            Event::Known(Known { p, offset, kind, .. }) => {
+                (Some(Touch { m, p, offset, radius: tables.kinds[kind].radius }), kind, draws.accept)
             }
-            None => share,
+            Event::Fiber { share, list } => {
+                let (p, kind) = draw_fiber(tables, list, &draws, plan.jitter);
+                let touch = Touch { m, p, offset: draws.offset, radius: tables.kinds[kind].radius };
+                let share = match &tables.carry {
+                    Some(_) => share * flight.share_of_axis(tables, grid, &touch, witness),
+                    None => share,
+                };
+                // See whether the ray hits it.
+                let seen = share * m.cross(p).length();
+                let hit = draws.accept < seen;
+                if share > 0.0 {
+                    witness.decide(|| draws.accept - seen);
+                    flight.drawn(hit);
+                }
+                let hit = hit && !flight.memory.is_some_and(|memory| memory.rules_out(&touch, witness));
+                (hit.then_some(touch), kind, draws.accept / seen)
+            }
         };
-        let seen = share * m.cross(p).length();
-        let hit = draws.accept < seen;
-        if share > 0.0 {
-            witness.decide(|| draws.accept - seen);
-            flight.drawn(hit);
-        }
-        if hit {
-            let number = draws.accept / seen;
-            let passage = scatter(m, p, draws.offset, number, &tables.kinds[kind], tables.half_length, witness);
+        if let Some(touch) = touch {
+            let Touch { p, offset, radius, .. } = touch;
+            let passage = scatter(m, p, offset, number, &tables.kinds[kind], tables.half_length, witness);
             m = passage.direction.normalize();
             walked.lengths[kind] += passage.path * radius;
             if tables.carry.is_some() {
-                flight.carry(passage.displacement * radius);
+                flight.carry(&touch, kind, passage.displacement * radius, m, witness);
             }
             walked.base_exits += u32::from(passage.through_base);
             walked.record.hits += 1;

@@ -87,6 +87,16 @@ pub enum FirstHit {
     Fibers,
 }
 
+/// What walks through a medium remember after a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Memory {
+    /// Nothing: all fibers are drawn anew (the paper).
+    None,
+    /// The last flight, where no fiber is, and the fiber that it set out from.
+    Flight,
+}
+
 /// The model's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Model {
@@ -106,6 +116,11 @@ pub struct Model {
     pub direct: Direct,
     /// What walks meet first.
     pub first_hit: FirstHit,
+    /// What walks remember after a hit.
+    pub memory: Memory,
+    /// Whether that was asked for; if not, it goes by the placement.
+    #[serde(skip)]
+    pub memory_chosen: bool,
     /// How the fibers of a realization are laid.
     pub packing: Packing,
     /// Cells of the direction grid, a square number.
@@ -122,19 +137,20 @@ pub struct Model {
 
 /// The cone of a cloth of yarns where the file does not say, in radians: directions are kept as they were counted.
 const CONE: f64 = 0.0;
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "tracking",
     "placement",
     "packing",
     "direct",
     "first_hit",
+    "memory",
     "directions",
     "length_over_radius",
     "cells",
     "cone_deg",
 ];
 /// The first ones, which a sheet has as well.
-const KEYS_OF_SHEETS: usize = 7;
+const KEYS_OF_SHEETS: usize = 8;
 
 impl Default for Model {
     fn default() -> Model {
@@ -146,6 +162,8 @@ impl Default for Model {
             chosen: false,
             direct: Direct::Walks,
             first_hit: FirstHit::Medium,
+            memory: Memory::None,
+            memory_chosen: false,
             packing: Packing::Random,
             directions: 1024,
             length_over_radius: f64::INFINITY,
@@ -166,14 +184,18 @@ impl Model {
         model
     }
 
-    /// Choose the placement that is not asked for: in a cloth of yarns, the one that comes nearest to its fibers.
-    fn settle(&mut self) {
+    /// Choose the placement and the memory that are not asked for: in a cloth of yarns, those that come nearest to its fibers.
+    pub(crate) fn settle(&mut self) {
         if !self.placement_chosen {
             self.placement = match (self.cone, self.tracking, self.packing) {
                 (None, ..) | (_, Tracking::Tabulated, _) => Placement::AtHit,
                 (_, _, Packing::Random) => Placement::Carried,
                 (_, _, Packing::Separate) => Placement::CarriedVoid,
             };
+        }
+        if !self.memory_chosen {
+            let remembers = self.cone.is_some() && self.placement != Placement::AtHit;
+            self.memory = if remembers { Memory::Flight } else { Memory::None };
         }
     }
 
@@ -187,7 +209,8 @@ impl Model {
                 self.set(key, &value)?;
             }
         }
-        match (self.conflict(), table.get("placement")) {
+        let culprit = table.get("placement").or_else(|| table.get("memory"));
+        match (self.conflict(), culprit) {
             (Some(message), Some(value)) => Err(value.error(message)),
             _ => Ok(()),
         }
@@ -195,6 +218,13 @@ impl Model {
 
     /// Why these settings do not go together, if they do not.
     pub fn conflict(&self) -> Option<String> {
+        if self.placement == Placement::AtHit && self.memory == Memory::Flight {
+            return Some(
+                "`memory` \"flight\" does not go with `placement` \"at-hit\", whose flights set out from inside a fiber; take \"none\", \
+                 or placement \"carried\""
+                    .into(),
+            );
+        }
         let carried = self.placement != Placement::AtHit && self.tracking == Tracking::Tabulated;
         carried.then(|| {
             format!(
@@ -205,7 +235,7 @@ impl Model {
         })
     }
 
-    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `direct`, `first-hit`, `directions`, `cells` (such as
+    /// Replace one setting by a flag's text: `tracking`, `placement`, `packing`, `direct`, `first-hit`, `memory`, `directions`, `cells` (such as
     /// `24x24x8`) or `cone` (in degrees), written as in the file or as a bare word.
     ///
     /// # Errors
@@ -237,6 +267,10 @@ impl Model {
             }
             "first_hit" | "first-hit" => {
                 self.first_hit = value.choice(&[("medium", FirstHit::Medium), ("fibers", FirstHit::Fibers)], &[])?;
+            }
+            "memory" => {
+                self.memory = value.choice(&[("none", Memory::None), ("flight", Memory::Flight)], &[])?;
+                self.memory_chosen = true;
             }
             "packing" => {
                 self.packing = value.choice(&[("random", Packing::Random), ("separate", Packing::Separate)], &[])?;

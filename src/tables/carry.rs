@@ -2,7 +2,7 @@
 //! in another cell.
 
 use crate::distribution::{Cell, CellGrid, SpecificLength};
-use crate::scene::Placement;
+use crate::scene::{Memory, Model, Placement};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,6 +14,8 @@ pub struct Carry {
     pub radius: f64,
     /// Whether the cell of the hit has a factor of its own in the rate.
     pub factors: bool,
+    /// Whether walks remember their last flight and the fiber that it set out from.
+    pub memory: bool,
 }
 
 /// The rates of the cells of a placement.
@@ -31,7 +33,8 @@ pub struct Rates {
 }
 
 /// The rates of a placement; `radius` is the largest of any fiber.
-pub fn rates(specific_length: &SpecificLength, placement: Placement, radius: f64) -> Rates {
+pub fn rates(specific_length: &SpecificLength, model: &Model, radius: f64) -> Rates {
+    let placement = model.placement;
     let SpecificLength { cells: grid, values, .. } = specific_length;
     // A factor of the axis's cell, or one that is the same everywhere, is a part of the density.
     let inside = match placement {
@@ -54,7 +57,7 @@ pub fn rates(specific_length: &SpecificLength, placement: Placement, radius: f64
         shares: densities.iter().map(|density| 2.0 * density / majorant).collect(),
         factors: factors_of,
         lists: if carried { nearest_lists(grid, values) } else { values.iter().map(own).collect() },
-        carry: carried.then_some(Carry { radius, factors }),
+        carry: carried.then_some(Carry { radius, factors, memory: model.memory == Memory::Flight }),
     }
 }
 
@@ -155,7 +158,8 @@ mod tests {
             lists: vec![Vec::new()],
             spread_error: 0.0,
         };
-        let majorant = |placement, radius| rates(&length, placement, radius).majorant;
+        let majorant =
+            |placement, radius| rates(&length, &Model { placement, ..Model::default() }, radius).majorant;
         assert_eq!(majorant(Placement::AtHit, 0.05), 4.0);
         assert_eq!(majorant(Placement::Carried, 0.05), 4.0);
         assert_eq!(majorant(Placement::CarriedVoid, 0.05), 6.0);

@@ -84,7 +84,7 @@ impl SamplingTables {
         check(specific_length)?;
         let radius = |kind: usize| kinds[place(kind)].radius;
         let largest = kinds.iter().map(|kind| kind.radius).fold(0.0, f64::max);
-        let rates = rates(specific_length, scene.model.placement, largest);
+        let rates = rates(specific_length, &scene.model, largest);
         let mut tables = SamplingTables {
             thickness: cells.thickness,
             majorant: rates.majorant,

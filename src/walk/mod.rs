@@ -14,7 +14,7 @@ mod score;
 pub use draws::{EventDraws, start_draws, start_place, uniform};
 pub use first_hits::{FirstHit, FirstHitBanks, FirstHits, MetFiber, widen};
 pub use plan::{
-    Engine, Implicit, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, WalkPlan, WalkRecord, Walker,
+    Engine, Implicit, MAX_EVENTS, MOST_REFUSALS, ROULETTE_BELOW, ROULETTE_EVERY, STRAIGHT, WalkPlan, WalkRecord, Walker,
 };
 pub use rng::{Purpose, draw, threefry};
 pub use score::{Score, Walked};

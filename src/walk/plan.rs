@@ -14,6 +14,8 @@ pub const ROULETTE_BELOW: f64 = 0.25;
 /// Fibers that tracking by tables refuses at a collision before it gives the collision up: there the largest ⟨|m × p|⟩ is
 /// some thousandths, which is less than the error of the table.
 pub const MOST_REFUSALS: u32 = 1024;
+/// A fiber is taken for straight so far from where light met it, in radii, where its place is remembered.
+pub const STRAIGHT: f64 = 16.0;
 /// A walk is given up after this many tentative events.
 pub const MAX_EVENTS: u32 = 1 << 24;
 

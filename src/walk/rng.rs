@@ -15,6 +15,8 @@ pub enum Purpose {
     Exit = 2,
     /// Russian roulette of a walk.
     Roulette = 3,
+    /// The realization that a walk goes on through.
+    Realization = 4,
 }
 
 const ROUNDS: usize = 13;

@@ -8,7 +8,7 @@ use super::points::Point;
 use super::series::{Series, median};
 use crate::bsdf::{Distance, Estimate, block_noise, block_totals, distance};
 use crate::error::Result;
-use crate::scene::{FirstHit, Tracking};
+use crate::scene::{FirstHit, Memory, Tracking};
 
 /// Walks of each start that points are of: 4ᵏ.
 const WALKS: std::ops::RangeInclusive<u32> = 4..=14;
@@ -19,7 +19,7 @@ const LOUDEST: f64 = 0.3;
 const QUIET: f64 = 0.25;
 
 /// What kernels have in common: engine class, whether light goes through the fibers, tracking and source of first hits.
-type Kernel = (Class, bool, Tracking, FirstHit);
+type Kernel = (Class, bool, Tracking, FirstHit, Memory);
 
 /// Nanoseconds of an event by kernel.
 pub struct Speeds(Vec<(Kernel, f64)>);
@@ -44,7 +44,7 @@ impl Speeds {
 
     fn key(series: &Series, class: Class) -> Kernel {
         let model = series.configuration.model;
-        (class, series.explicit(), model.tracking, model.first_hit)
+        (class, series.explicit(), model.tracking, model.first_hit, model.memory)
     }
 
     fn get(&self, series: &Series, class: Class) -> f64 {
@@ -140,6 +140,7 @@ impl Judged<'_> {
                 packing: configuration.model.packing,
                 direct: of_medium.then_some(configuration.model.direct),
                 first_hit: of_medium.then_some(configuration.model.first_hit),
+                memory: of_medium.then_some(configuration.model.memory),
                 cells: if of_medium { configuration.cells(extent) } else { None },
                 edge_r: configuration.edge,
                 directions: of_medium.then_some(configuration.model.directions),

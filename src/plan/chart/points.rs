@@ -10,7 +10,7 @@ use super::series::Series;
 use super::state::Head;
 use crate::bsdf::{Estimate, block_noise};
 use crate::error::Result;
-use crate::scene::{BasisChoice, Direct, FirstHit, Packing, Placement, Scene, Tracking};
+use crate::scene::{BasisChoice, Direct, FirstHit, Memory, Packing, Placement, Scene, Tracking};
 use serde::Serialize;
 
 /// One point of a chart.
@@ -32,6 +32,8 @@ pub struct Point {
     pub direct: Option<Direct>,
     /// What walks meet first.
     pub first_hit: Option<FirstHit>,
+    /// What walks remember after a hit.
+    pub memory: Option<Memory>,
     /// Cells along x, y and z; none of a sheet.
     pub cells: Option<[u32; 3]>,
     /// Edge of a cell in radii of the thinnest fiber.
@@ -224,6 +226,7 @@ pub(super) mod tests {
             packing: Packing::Random,
             direct: None,
             first_hit: None,
+            memory: None,
             cells: None,
             edge_r: None,
             directions: None,

@@ -2,7 +2,7 @@
 
 use super::super::budget::refinements;
 use super::super::configuration::{Configuration, Extent};
-use crate::scene::{Direct, FirstHit, Placement, Scene, Tracking};
+use crate::scene::{Direct, FirstHit, Memory, Placement, Scene, Tracking};
 
 /// Edges of cells in radii of the thinnest fiber, beside the usual one and half of it.
 const EDGES: [f64; 2] = [8.0, 4.0];
@@ -68,6 +68,11 @@ fn products(base: Configuration, halved: Option<Configuration>, finest: Configur
                         let way = if lit { way.lit(direct) } else { way };
                         list.push(if hit { way.hit_first(first_hit) } else { way });
                     }
+                    let way = size.tracked(tracking).placed(placement).directed(directions).coned(cone);
+                    if placement != Placement::AtHit {
+                        let other = if way.model.memory == Memory::None { Memory::Flight } else { Memory::None };
+                        list.push(way.remembering(other));
+                    }
                 }
             }
         }
@@ -98,6 +103,7 @@ fn differences(a: &Configuration, b: &Configuration) -> (usize, u64) {
         a.model.cone != b.model.cone,
         a.model.direct != b.model.direct,
         a.model.first_hit != b.model.first_hit,
+        a.model.memory != b.model.memory && a.model.placement == b.model.placement,
     ];
     let edge = a.edge.unwrap_or_default();
     (settings.iter().filter(|differs| **differs).count(), (1e6 / edge.max(1e-3)) as u64)
@@ -123,12 +129,13 @@ mod tests {
         let voile = names("voile");
         let head = ["fibers 64w", "carried 2R 1024d", "carried 8R 1024d", "at-hit 2R 1024d", "carried 2R 4096d"];
         assert_eq!(voile[..5], head);
-        // 5 ways, 4 edges, 3 numbers of directions, 2 cones, 2 sources of direct light and of first hits; and the fibers.
-        assert_eq!(voile.len(), 480 + 4);
+        // 5 ways, 4 edges, 3 numbers of directions, 2 cones, 2 sources of direct light and of first hits; those of 3 placements without
+        // memory; and the fibers.
+        assert_eq!(voile.len(), 480 + 72 + 4);
         assert_eq!(voile.iter().collect::<HashSet<_>>().len(), voile.len());
         assert!(voile.contains(&"tabulated at-hit 8R 256d cone 2 direct by walks first hit in the medium".into()));
         let felt = names("felt");
         assert_eq!(felt[..3], ["fibers 64w", "at-hit 1024d", "at-hit 256d"]);
-        assert_eq!(felt.len(), 5 * 3 * 2 * 2 + 4);
+        assert_eq!(felt.len(), 5 * 3 * 2 * 2 + 3 * 3 + 4);
     }
 }

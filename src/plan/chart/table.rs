@@ -1,10 +1,10 @@
 //! The points as a table of comma-separated values.
 
 use super::points::{Chart, Point};
-use crate::scene::{Direct, FirstHit, Packing, Tracking};
+use crate::scene::{Direct, FirstHit, Memory, Packing, Tracking};
 
 /// The columns of `chart.csv`, in their order.
-pub const COLUMNS: [&str; 41] = [
+pub const COLUMNS: [&str; 42] = [
     "name",
     "model",
     "engine",
@@ -13,6 +13,7 @@ pub const COLUMNS: [&str; 41] = [
     "packing",
     "direct",
     "first_hit",
+    "memory",
     "cells",
     "edge_r",
     "directions",
@@ -75,6 +76,10 @@ fn row(point: &Point, own: bool) -> Vec<String> {
         FirstHit::Medium => "medium",
         FirstHit::Fibers => "fibers",
     });
+    let memory = point.memory.map(|memory| match memory {
+        Memory::None => "none",
+        Memory::Flight => "flight",
+    });
     let packing = match point.packing {
         Packing::Random => "random",
         Packing::Separate => "separate",
@@ -88,6 +93,7 @@ fn row(point: &Point, own: bool) -> Vec<String> {
         packing.into(),
         word(direct),
         word(first_hit),
+        word(memory),
         point.cells.map_or(String::new(), |[x, y, z]| format!("{x}x{y}x{z}")),
         plain(point.edge_r),
         whole(point.directions.map(u64::from)),

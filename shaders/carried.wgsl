@@ -75,6 +75,13 @@ fn fly_carried(ray: vec4f, across: vec2f, reach: u32, slab: vec2f, path: f32) ->
     return Site(z, vec2f(0.0), inside, inside, 1.0, 0u, 0u, 0.0, flown);
 }
 
+/// Whether a point of a cell, from 0 to 1 along each axis, lies where its fibers are: three components of a normal of 6 bits and
+/// an offset of 14 bits in 64ths.
+fn in_cut(cut: u32, point: vec3f) -> bool {
+    let words = bitcast<vec4i>(vec4u(cut << 26u, cut << 20u, cut << 14u, cut)) >> vec4u(26u, 26u, 26u, 18u);
+    return dot(vec3f(words.xyz), point) * 64.0 <= f32(words.w);
+}
+
 /// From the axis of a fiber to where a ray hits it at an offset, in radii times |m × p|; `across` is m × p.
 fn surface_normal(m: vec3f, p: vec3f, across: vec3f, offset: f32) -> vec3f {
     return sqrt((1.0 - offset) * (1.0 + offset)) * (dot(m, p) * p - m) + offset * across;
@@ -84,9 +91,12 @@ fn surface_normal(m: vec3f, p: vec3f, across: vec3f, offset: f32) -> vec3f {
 fn share_of_axis(place: vec3f, normal: vec3f, slab: vec2f) -> f32 {
     if CELLS {
         let axis = place - normal * P.per_edge.xyz;
-        let share = bitcast<f32>(cell_entry(fold_cell(floor(axis))).x);
+        let cell = floor(axis);
+        let entry = cell_entry(fold_cell(cell));
+        let within = axis - vec3f(cell.xy, clamp(cell.z, 0.0, P.counts.z - 1.0));
+        let filled = PLACEMENT == 2u || in_cut(entry.y, within);
         // Beyond the faces there is no fiber.
-        return select(0.0, share, axis.z >= 0.0 && axis.z <= P.counts.z);
+        return select(0.0, bitcast<f32>(entry.x), filled && axis.z >= 0.0 && axis.z <= P.counts.z);
     }
     let z = place.z - normal.z;
     return select(0.0, 1.0, z <= slab.y && z >= slab.x);

@@ -11,8 +11,8 @@ fn cell_index(cell: vec3f) -> u32 {
     return u32(i32((cell.z * P.counts.y + cell.y) * P.counts.x + cell.x));
 }
 
-/// One cell: share and placement factor (f32), first entry (24 bits) and index bits of its list, reach across and along
-/// (16 bits each).
+/// One cell: share (f32), placement factor (f32) or cut as `in_cut` says, first entry (24 bits) and index bits of its list, reach
+/// across and along (16 bits each).
 fn cell_entry(cell: vec3f) -> vec4u {
     let index = cell_index(cell);
     if CELLS_IN_TEXTURE {

@@ -200,7 +200,7 @@ fn stated_errors_of_cells_hold_though_walks_share_rays() {
 fn first_hits_on_fibers_bring_a_coarse_medium_nearer_to_them() {
     let scene = preset("voile", &[("incident", "[[3, 35], [30, 20], [60, 12], [60, 55]]"), ("exit", "8")]);
     let extent = Extent::of(&scene).expect("it can be laid out");
-    let usual = Configuration::of(&scene, &extent).edged(4.0);
+    let usual = Configuration::of(&scene, &extent).edged(8.0);
     let blocks = |configuration: Configuration| -> Vec<Tally> {
         let trial = Trial::prepare(&scene, &extent, configuration).expect("it can be prepared");
         let blocks = trial.blocks(gpu(), trial.configuration().seed(1), 0, 16384).expect("it runs");

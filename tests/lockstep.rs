@@ -149,7 +149,7 @@ fn placed(seed: u64, placement: &'static str) -> CellCloth {
     let cells = random_cells(seed);
     let mut random = SplitMix(seed ^ 0x9e37);
     let factors = cells.cells.iter().map(|_| 1.0 + random.uniform()).collect();
-    CellCloth { base: cells.base.placed(placement), factors, ..cells }
+    CellCloth { base: cells.base.placed(placement), factors, cut: true, ..cells }
 }
 
 #[test]

@@ -107,7 +107,7 @@ impl Weave {
         // Fibers of 6.5 µm that do not overlap.
         let surface = self.surface * density;
         let placement = 1.0 / (1.0 - PI * 0.0065 * surface);
-        Cell { surface, placement, list: step as u32 + if warp { 0 } else { 5 } }
+        Cell { surface, placement, list: step as u32 + if warp { 0 } else { 5 }, centroid: Cell::MIDDLE }
     }
 }
 

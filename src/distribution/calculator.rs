@@ -1,7 +1,7 @@
 //! The distribution calculator: f(p, x) of a cloth of yarns from its explicit fibers (paper §5).
 
 use super::cells::{Cell, CellGrid};
-use super::count::{Count, Gathered, Grids, Key, SURFACE_UNIT, count};
+use super::count::{EDGE_UNITS, Count, Gathered, Grids, Key, SURFACE_UNIT, count};
 use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
 use super::placement::MAX_SEPARATE_FRACTION;
@@ -220,6 +220,7 @@ fn grids(element: &Element, model: &Model) -> Grids {
         block,
         raw: DirectionGrid { n },
         voids: model.placement == Placement::CarriedVoid,
+        centroids: model.placement == Placement::Carried && element.cells.len() > 1,
     };
     let lists = |grids: &Grids| grids.list_counts().iter().map(|count| *count as usize).product::<usize>();
     while lists(&grids) > MOST_LISTS {
@@ -257,6 +258,7 @@ struct Sums {
     /// Σ R·length in mm².
     total: f64,
     surface: Vec<u64>,
+    moments: Vec<[u64; 3]>,
     /// Sums of the squares of one realization.
     square: Vec<f64>,
     directions: FxHashMap<Key, Gathered>,
@@ -267,8 +269,9 @@ impl Sums {
     fn new(grids: &Grids) -> Sums {
         let cells = grids.cells.len();
         let (surface, square) = (vec![0; cells], vec![0.0; cells]);
+        let moments = vec![[0; 3]; if grids.centroids { cells } else { 0 }];
         let voids = grids.voids.then(|| VoidSums::new(&grids.cells));
-        Sums { realizations: 0, total: 0.0, surface, square, directions: FxHashMap::default(), voids }
+        Sums { realizations: 0, total: 0.0, surface, moments, square, directions: FxHashMap::default(), voids }
     }
 
     /// Add a realization; always in the order of their numbers.
@@ -281,6 +284,9 @@ impl Sums {
         for ((sum, square), surface) in self.surface.iter_mut().zip(&mut self.square).zip(&count.surface) {
             *sum += surface;
             *square += (*surface as f64).powi(2);
+        }
+        for (sum, moment) in self.moments.iter_mut().zip(&count.moments) {
+            sum.iter_mut().zip(moment).for_each(|(sum, moment)| *sum += moment);
         }
         for (key, gathered) in &count.directions {
             self.directions.entry(*key).and_modify(|known| known.add(gathered)).or_insert(*gathered);
@@ -321,7 +327,11 @@ impl Sums {
         let scale = 1.0 / (SURFACE_UNIT * self.realizations as f64 * edges.x * edges.y * edges.z);
         let cell = |(surface, place): (&u64, [u32; 3])| {
             let list = of_cell.get(&grids.list_of(place)).copied().unwrap_or_default();
-            Cell { surface: *surface as f64 * scale, placement: 1.0, list }
+            let moment = self.moments.get(grids.cells.index(place)).filter(|_| *surface > 0);
+            let centroid = moment.map_or(Cell::MIDDLE, |moment| {
+                moment.map(|sum| ((sum as f64 / *surface as f64 + 0.5) / EDGE_UNITS) as f32)
+            });
+            Cell { surface: *surface as f64 * scale, placement: 1.0, list, centroid }
         };
         let values: Vec<Cell> = self.surface.iter().zip(grids.cells.places()).map(cell).collect();
         let specific_length = SpecificLength { grid, cells: grids.cells, values, lists, spread_error };

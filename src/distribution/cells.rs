@@ -68,6 +68,13 @@ pub struct Cell {
     pub placement: f64,
     /// Index of its list of bundles; of no meaning in an empty cell.
     pub list: u32,
+    /// Mean place of its fibers, by R·length, from 0 to 1 along each axis.
+    pub centroid: [f32; 3],
+}
+
+impl Cell {
+    /// The mean place of fibers that lie all over a cell.
+    pub const MIDDLE: [f32; 3] = [0.5; 3];
 }
 
 #[cfg(test)]

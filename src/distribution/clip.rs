@@ -16,10 +16,10 @@ impl Clipper {
         Clipper { grid, cuts: Vec::new() }
     }
 
-    /// Call `take` with the cell, and the start and end of each part as shares of the piece from `from` to `to` (mm), in
-    /// their order. The parts fill the piece; x and y are periodic, and what protrudes from a face belongs to the cells
+    /// Call `take` with the cell, the start and end of each part as shares of the piece from `from` to `to` (mm), in
+    /// their order, and the middle of the part from 0 to 1 along each edge of the cell. The parts fill the piece; x and y are periodic, and what protrudes from a face belongs to the cells
     /// there.
-    pub fn parts(&mut self, from: DVec3, to: DVec3, mut take: impl FnMut([u32; 3], f64, f64)) {
+    pub fn parts(&mut self, from: DVec3, to: DVec3, mut take: impl FnMut([u32; 3], f64, f64, DVec3)) {
         let edges = self.grid.edges();
         let up = DVec3::new(0.0, 0.0, self.grid.thickness);
         let (from, to) = ((from + up) / edges, (to + up) / edges);
@@ -39,10 +39,13 @@ impl Clipper {
         for &end in &self.cuts {
             if end > start {
                 // The middle of a part tells its cell.
-                let middle = from.lerp(to, (start + end) / 2.0).floor().as_i64vec3();
+                let place = from.lerp(to, (start + end) / 2.0);
+                let middle = place.floor().as_i64vec3();
                 let [nx, ny, nz] = self.grid.counts;
-                let place = [wrap(middle.x, nx), wrap(middle.y, ny), middle.z.clamp(0, i64::from(nz) - 1) as u32];
-                take(place, start, end);
+                let cell = [wrap(middle.x, nx), wrap(middle.y, ny), middle.z.clamp(0, i64::from(nz) - 1) as u32];
+                let z = place.z - f64::from(cell[2]);
+                let within = DVec3::new(place.x - place.x.floor(), place.y - place.y.floor(), z.clamp(0.0, 1.0));
+                take(cell, start, end, within);
                 start = end;
             }
         }
@@ -71,7 +74,8 @@ mod tests {
             let from = DVec3::new(1.9 * (turn * 0.7).sin(), 3.0 * (turn * 0.3).cos(), -0.5 - 0.5 * (turn * 1.3).sin());
             let to = from + DVec3::new((turn * 0.9).cos(), 2.0 * (turn * 1.7).sin(), 0.0);
             let mut last = 0.0;
-            clipper.parts(from, to, |place, start, end| {
+            clipper.parts(from, to, |place, start, end, within| {
+                assert!(within.cmpge(DVec3::ZERO).all() && within.cmple(DVec3::ONE).all());
                 assert_eq!(start, last);
                 last = end;
                 // Every inner point of the part is in the cell, up to periods.
@@ -92,11 +96,11 @@ mod tests {
         let grid = CellGrid { counts: [4, 4, 1], period: DVec2::ONE, thickness: 1.0 };
         let mut parts = Vec::new();
         let mut clipper = Clipper::new(grid);
-        clipper.parts(DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), |place, _, _| parts.push(place));
+        clipper.parts(DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), |place, _, _, _| parts.push(place));
         assert_eq!(parts, [[2, 0, 0], [2, 1, 0]]);
         parts.clear();
         let point = DVec3::new(-1e-18, 0.3, -0.2);
-        clipper.parts(point, point, |place, _, _| parts.push(place));
+        clipper.parts(point, point, |place, _, _, _| parts.push(place));
         assert_eq!(parts.len(), 1);
         assert!(parts[0][0] < 4);
     }

@@ -22,7 +22,13 @@ pub struct Grids {
     pub raw: DirectionGrid,
     /// Whether to measure what fibers leave free.
     pub voids: bool,
+    /// Whether to tell where in a cell its fibers are.
+    pub centroids: bool,
 }
+
+/// Units of a cell's edge in which places are told.
+pub const EDGE_UNITS: f64 = 1024.0;
+
 
 impl Grids {
     /// Cells of the grid of lists along each axis.
@@ -93,13 +99,17 @@ pub struct Count {
     pub total: f64,
     /// Σ R·length by density cell, in units of 1/[`SURFACE_UNIT`] mm².
     pub surface: Vec<u64>,
+    /// Σ R·length × place from the cell's corner, in the same units times 1/[`EDGE_UNITS`] of an edge; none where it is not told.
+    pub moments: Vec<[u64; 3]>,
     /// By list cell, kind and direction.
     pub directions: FxHashMap<Key, Gathered>,
 }
 
 /// Count all pieces of a realization.
 pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
-    let mut counted = Count { total: 0.0, surface: vec![0; grids.cells.len()], directions: FxHashMap::default() };
+    let cells = grids.cells.len();
+    let moments = vec![[0; 3]; if grids.centroids { cells } else { 0 }];
+    let mut counted = Count { total: 0.0, surface: vec![0; cells], moments, directions: FxHashMap::default() };
     let mut clipper = Clipper::new(grids.cells);
     for piece in pieces {
         let half = piece.direction * (piece.length / 2.0);
@@ -117,10 +127,15 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
         };
         let (mut run, mut run_surface) = ((u32::MAX, 0.0, 0.0), 0);
         counted.total += whole;
-        let Count { surface, directions, .. } = &mut counted;
-        clipper.parts(piece.centre - half, piece.centre + half, |place, start, end| {
+        let Count { surface, moments, directions, .. } = &mut counted;
+        clipper.parts(piece.centre - half, piece.centre + half, |place, start, end, within| {
             let part = units(end) - units(start);
-            surface[grids.cells.index(place)] += part;
+            let cell = grids.cells.index(place);
+            surface[cell] += part;
+            if let Some(moment) = moments.get_mut(cell) {
+                let units = (within * EDGE_UNITS).as_u64vec3().to_array();
+                moment.iter_mut().zip(units).for_each(|(sum, units)| *sum += part * units);
+            }
             // Parts in one list cell follow each other.
             let list = grids.list_of(place);
             if list != run.0 {

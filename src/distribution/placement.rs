@@ -66,7 +66,7 @@ mod tests {
         SpecificLength {
             grid: DirectionGrid { n: 4 },
             cells: CellGrid { counts: [2, 1, 1], period: DVec2::ONE, thickness: 1.0 },
-            values: surfaces.map(|surface| Cell { surface, placement: 1.0, list: 0 }).to_vec(),
+            values: surfaces.map(|surface| Cell { surface, placement: 1.0, list: 0, centroid: Cell::MIDDLE }).to_vec(),
             lists: vec![vec![bundle(0, 6.0), bundle(1, 1.0)]],
             spread_error: 0.0,
         }

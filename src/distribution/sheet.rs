@@ -82,7 +82,7 @@ impl SpecificLength {
         SpecificLength {
             grid,
             cells: CellGrid::homogeneous(sheet.thickness),
-            values: vec![Cell { surface, placement: 1.0, list: 0 }],
+            values: vec![Cell { surface, placement: 1.0, list: 0, centroid: Cell::MIDDLE }],
             lists: vec![bundles],
             spread_error,
         }

@@ -48,14 +48,16 @@ fn visible_cells(tables: &SamplingTables) -> u32 {
     tables.visible.as_ref().map_or(0, |visible| visible.n * visible.n)
 }
 
-/// One vector a cell: share and placement factor (f32), first entry and index bits of its list, reach across and along.
+/// One vector a cell: share (f32), placement factor (f32) or cut, first entry and index bits of its list, reach across and along.
 pub fn cell_table(tables: &SamplingTables) -> Vec<[u32; 4]> {
     let entry = |cell: &CellEntry| {
         let list = &tables.lists[cell.list as usize];
-        let [share, placement] = [cell.share, cell.placement].map(|value| (value as f32).to_bits());
+        let share = (cell.share as f32).to_bits();
+        let factors = tables.carry.is_some_and(|carry| carry.factors);
+        let second = if factors { (cell.placement as f32).to_bits() } else { cell.cut.word() };
         let reach = u32::from(cell.reach.across) | u32::from(cell.reach.along) << 16;
         let first = list.first + cell.list * visible_cells(tables);
-        [share, placement, first | list.alias.index_bits() << 24, reach]
+        [share, second, first | list.alias.index_bits() << 24, reach]
     };
     tables.cells.iter().flat_map(|cells| &cells.entries).map(entry).collect()
 }

@@ -100,7 +100,11 @@ impl Flight {
         }
         let Some(cells) = &tables.cells else { return 1.0 };
         witness.decide(|| axis.face_distance(grid));
-        self.station.entry_at(cells, -normal).share
+        let (cell, wrapped) = self.station.unfolded(grid, -normal);
+        let CellEntry { share, cut, .. } = cells.entries[grid.index(wrapped)];
+        let within = (axis.place + DVec3::Z * grid.thickness) / grid.edges() - cell;
+        witness.decide(|| cut.distance(within) * grid.edges().min_element() / axis.blur);
+        if cut.holds(within) { share } else { 0.0 }
     }
 
     /// The light goes on along `out` from where it has left a fiber, this far from where it hit it.

@@ -1,6 +1,7 @@
 //! What flights need to know that start where light leaves a fiber: a hit lies on the surface of a fiber whose axis may be
 //! in another cell.
 
+use super::cut::{self, Cut};
 use crate::distribution::{Cell, CellGrid, SpecificLength};
 use crate::scene::{Memory, Model, Placement};
 use glam::DVec3;
@@ -28,6 +29,8 @@ pub struct Rates {
     pub factors: Vec<f64>,
     /// By cell, the list to draw from.
     pub lists: Vec<u32>,
+    /// By cell, the part of it where its fibers are.
+    pub cuts: Vec<Cut>,
     /// None when flights start at hits.
     pub carry: Option<Carry>,
 }
@@ -44,7 +47,12 @@ pub fn rates(specific_length: &SpecificLength, model: &Model, radius: f64) -> Ra
     };
     let factors = placement == Placement::CarriedVoid && !inside;
     let density = |cell: &Cell| if inside { cell.surface * cell.placement } else { cell.surface };
-    let densities: Vec<f64> = values.iter().map(density).collect();
+    let mut densities: Vec<f64> = values.iter().map(density).collect();
+    let mut cuts = vec![Cut::NONE; values.len()];
+    if placement == Placement::Carried && values.len() > 1 {
+        cuts = cut::cuts(values, &densities, &largest_within(grid, &densities, cut::to_neighbours(grid)));
+        densities.iter_mut().zip(&cuts).for_each(|(density, cut)| *density /= cut.fill());
+    }
     let factor = |cell: &Cell| if factors { cell.placement } else { 1.0 };
     let factors_of: Vec<f64> = values.iter().map(factor).collect();
     let around = if factors { largest_within(grid, &densities, radius) } else { densities.clone() };
@@ -56,6 +64,7 @@ pub fn rates(specific_length: &SpecificLength, model: &Model, radius: f64) -> Ra
         majorant,
         shares: densities.iter().map(|density| 2.0 * density / majorant).collect(),
         factors: factors_of,
+        cuts,
         lists: if carried { nearest_lists(grid, values) } else { values.iter().map(own).collect() },
         carry: carried.then_some(Carry { radius, factors, memory: model.memory == Memory::Flight }),
     }
@@ -124,9 +133,9 @@ mod tests {
 
     fn cells(counts: [u32; 3], filled: &[([u32; 3], f64, u32)]) -> (CellGrid, Vec<Cell>) {
         let grid = CellGrid { counts, period: DVec2::new(1.0, 0.5), thickness: 0.3 };
-        let mut values = vec![Cell { surface: 0.0, placement: 1.0, list: 7 }; grid.len()];
+        let mut values = vec![Cell { surface: 0.0, placement: 1.0, list: 7, centroid: Cell::MIDDLE }; grid.len()];
         for (place, surface, list) in filled {
-            values[grid.index(*place)] = Cell { surface: *surface, placement: 1.0, list: *list };
+            values[grid.index(*place)] = Cell { surface: *surface, placement: 1.0, list: *list, centroid: Cell::MIDDLE };
         }
         (grid, values)
     }

@@ -13,6 +13,7 @@
 mod alias;
 mod blocks;
 mod carry;
+mod cut;
 mod kind;
 mod sampling;
 mod visible;
@@ -20,6 +21,7 @@ mod visible;
 pub use alias::AliasTable;
 pub use blocks::Reach;
 pub use carry::Carry;
+pub use cut::Cut;
 pub use kind::Kind;
 pub use sampling::{CellEntry, Cells, List, SamplingTables};
 pub use visible::VisibleArea;

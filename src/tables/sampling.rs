@@ -3,6 +3,7 @@
 use super::alias::AliasTable;
 use super::blocks::{Reach, reaches};
 use super::carry::{Carry, rates};
+use super::cut::Cut;
 use super::kind::Kind;
 use super::visible::VisibleArea;
 use crate::concentric::Patch;
@@ -33,6 +34,8 @@ pub struct CellEntry {
     pub list: u32,
     /// What may be jumped over.
     pub reach: Reach,
+    /// The part of the cell where its fibers are, to which the share belongs.
+    pub cut: Cut,
 }
 
 /// The cells of a cloth that is not the same everywhere.
@@ -108,6 +111,7 @@ impl SamplingTables {
                 placement: rates.factors[cell],
                 list: rates.lists[cell],
                 reach,
+                cut: rates.cuts[cell],
             };
             let entries = reaches(cells, &empty).into_iter().enumerate().map(entry).collect();
             tables.cells = Some(Cells { grid: *cells, entries });

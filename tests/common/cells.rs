@@ -21,6 +21,8 @@ pub struct CellCloth {
     pub lists: Vec<Vec<Bundle>>,
     /// Factor of each cell; all 1 where there is none.
     pub factors: Vec<f64>,
+    /// Fibers lie in a part of each cell.
+    pub cut: bool,
 }
 
 /// The list of a sheet.
@@ -42,7 +44,7 @@ impl CellCloth {
         let whole = surface_of(&base);
         let cells = grid.places().map(|place| (share(place) * whole, 0)).collect();
         let lists = vec![list_of(&base)];
-        CellCloth { base, counts, period, cells, lists, factors: Vec::new() }
+        CellCloth { base, counts, period, cells, lists, factors: Vec::new(), cut: false }
     }
 
     pub fn grid(&self) -> CellGrid {
@@ -51,7 +53,14 @@ impl CellCloth {
 
     pub fn specific_length(&self) -> SpecificLength {
         let placement = |i: usize| self.factors.get(i).copied().unwrap_or(1.0);
-        let cell = |(i, &(surface, list))| Cell { surface, placement: placement(i), list };
+        // Fibers of one place are as good as those of another.
+        let centroid = |i: usize| [3, 7, 11].map(|step| 0.15 + 0.7 * ((i * step) % 13) as f32 / 12.0);
+        let cell = |(i, &(surface, list))| Cell {
+            surface,
+            placement: placement(i),
+            list,
+            centroid: if self.cut { centroid(i) } else { Cell::MIDDLE },
+        };
         SpecificLength {
             grid: DirectionGrid { n: self.base.directions.isqrt() },
             cells: self.grid(),

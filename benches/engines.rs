@@ -108,7 +108,10 @@ fn dyed(tables: &SamplingTables) -> SamplingTables {
 
 /// The same fibers, from whose surfaces flights start.
 fn carried(tables: &SamplingTables) -> SamplingTables {
-    SamplingTables { carry: Some(Carry { radius: tables.kinds[0].radius, factors: false, memory: false }), ..tables.clone() }
+    SamplingTables {
+        carry: Some(Carry { radius: tables.kinds[0].radius, factors: false, memory: false }),
+        ..tables.clone()
+    }
 }
 
 /// The same fibers, cut to 20 radii.

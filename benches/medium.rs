@@ -78,7 +78,7 @@ fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool)
     }
     let usual = Configuration::of(&scene, &extent);
     let all = configurations(usual, matches!(scene.structure, Structure::Sheet(_)));
-    let skipped = if named("short") { all.len().saturating_sub(2) } else { 0 };
+    let skipped = if named("short") { all.len().saturating_sub(4) } else { 0 };
     for configuration in all.into_iter().skip(skipped) {
         match row(&scene, &extent, configuration, &reference) {
             Ok(line) => println!("{label} | {} {line}", configuration.name()),

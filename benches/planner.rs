@@ -1,4 +1,5 @@
-//! Whether plans meet their tolerance and what they cost: `cargo bench --bench planner -- [PRESET...]`, all presets without words.
+//! Whether plans meet their tolerance and what they cost: `cargo bench --bench planner -- [PRESET...] [list]`, all presets without
+//! words; `list` prints every configuration of the list instead, with its E and the microseconds of a walk.
 //!
 //! For each preset every configuration of the planner's list is held against the fibers themselves, with E and its standard error from
 //! independent blocks of walks and the seconds of a walk. A row is a plan: what was chosen, its E as found here, the noise
@@ -42,18 +43,24 @@ impl Found {
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     println!("Light from {DIRECTIONS}; exit cells {EXIT} × {EXIT} on each side.\n");
-    println!("| preset | tolerance % | plan | E % | noise % | both % | met | cost over the cheapest | pilots s |");
-    println!("|---|---|---|---|---|---|---|---|---|");
-    let named = |name: &str| words.is_empty() || words.iter().any(|word| word == name);
+    let listed = words.iter().any(|word| word == "list");
+    if listed {
+        println!("| preset | configuration | E % | µs a walk |");
+        println!("|---|---|---|---|");
+    } else {
+        println!("| preset | tolerance % | plan | E % | noise % | both % | met | cost over the cheapest | pilots s |");
+        println!("|---|---|---|---|---|---|---|---|---|");
+    }
+    let named = |name: &str| words.iter().all(|word| word == "list") || words.iter().any(|word| word == name);
     for (name, _) in PRESETS.into_iter().filter(|(name, _)| named(name)) {
-        if let Err(error) = study(name) {
+        if let Err(error) = study(name, listed) {
             println!("| {name} | {error} ||||||||");
         }
     }
     Ok(())
 }
 
-fn study(name: &str) -> Result<()> {
+fn study(name: &str, listed: bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
@@ -69,7 +76,15 @@ fn study(name: &str) -> Result<()> {
             blocks(&scene, &extent, configuration).map(|(tallies, seconds)| (Some(tallies), seconds))?
         };
         let distance = found.map_or(Ok(Distance::default()), |found| distance(&found, &fibers.0))?;
+        if listed {
+            let estimate = distance.estimate();
+            let [value, error] = [estimate.value, estimate.stderr].map(|share| 100.0 * share);
+            println!("| {name} | {} | {value:.1} ± {error:.1} | {:.2} |", configuration.name(), 1e6 * seconds_a_walk);
+        }
         list.push(Found { configuration, distance, seconds_a_walk });
+    }
+    if listed {
+        return Ok(());
     }
     for tolerance in TOLERANCES {
         let engine = (common::gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);

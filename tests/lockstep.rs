@@ -9,7 +9,7 @@ use fiberwalk::goniometer::Goniometer;
 use fiberwalk::gpu::Settings;
 use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::{Replay, replay};
-use fiberwalk::tables::SamplingTables;
+use fiberwalk::tables::{Cut, SamplingTables};
 use fiberwalk::walk::{WalkPlan, WalkRecord, Walked};
 
 /// Rounding errors of a walk stay below this share of a decision's scale: a few ulps of f32, 1.2e-7 each, for each of
@@ -174,6 +174,48 @@ fn walks_carried_through_fibers_agree_in_cells() {
         let some = |[x, y, z]: [u32; 3]| f64::from(u8::from((x + y / 40 + z / 40) % 2 == 0));
         check_near(CellCloth::new(base, counts, [1.1, 0.9], some).prepare(), 20_000, 2e-4, 0.1);
     }
+}
+
+/// The same cells, whose walks remember their last flight.
+fn remembering(cells: CellCloth) -> CellCloth {
+    CellCloth { base: cells.base.remembering(), ..cells }
+}
+
+#[test]
+fn walks_that_remember_agree() {
+    check(&Cloth::isotropic(4.0).placed("carried").remembering(), 2048, 2e-4);
+    // Nearly parallel fibers, with ends and without: known fibers and corridors matter most.
+    let fibers = vec![(120.0, aligned([1.0, 0.0, 0.02])), (80.0, aligned([0.99, 0.1, 0.0]))];
+    let dense = Cloth { fibers, ..Cloth::isotropic(1.0) }.lit_from("[[12, 10], [47, 100], [71, -130]]");
+    check(&dense.clone().placed("carried").remembering(), 40_000, 2e-4);
+    check(&Cloth { length_over_radius: 9.0, ..dense }.placed("carried-dense").remembering(), 40_000, 2e-4);
+    for (seed, placement) in [(1, "carried"), (3, "carried-void")] {
+        check_near(remembering(placed(seed, placement)).prepare(), 20_000, 2e-4, 0.1);
+    }
+}
+
+#[test]
+fn a_walk_that_forgets_is_noticed() {
+    let cells = remembering(placed(1, "carried")).prepare();
+    let mut bent = cells.clone();
+    bent.0.carry.as_mut().expect("it is carried").memory = false;
+    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
+    let far = differing.iter().filter(|tie| **tie > NEAR).count();
+    println!("{far} of {walks} walks differ far from a decision");
+    assert!(far as f64 > 1e-2 * walks as f64, "only {far} of {walks} differ");
+}
+
+#[test]
+fn a_cut_that_is_moved_by_a_sixteenth_of_a_cell_is_noticed() {
+    let cells = placed(1, "carried").prepare();
+    let mut bent = cells.clone();
+    let entries = &mut bent.0.cells.as_mut().expect("it has cells").entries;
+    // The largest component of a normal is 31, an offset comes in 64ths.
+    entries.iter_mut().filter(|cell| cell.cut != Cut::NONE).for_each(|cell| cell.cut.offset += 31 * 64 / 16);
+    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
+    let far = differing.iter().filter(|tie| **tie > NEAR).count();
+    println!("{far} of {walks} walks differ far from a decision");
+    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
 }
 
 #[test]

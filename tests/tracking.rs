@@ -244,7 +244,8 @@ fn what_the_tables_are_not_made_for_is_refused() {
         let error = engine.run(&tables, &goniometer, &plan, &mut |_| {}).expect_err("the table is jittered");
         assert!(matches!(error, Error::Input(_)), "{error}");
         assert!(error.to_string().contains("leave jitter on"), "{error}");
-        let carried = SamplingTables { carry: Some(Carry { radius: 0.01, factors: false, memory: false }), ..tables.clone() };
+        let carried =
+            SamplingTables { carry: Some(Carry { radius: 0.01, factors: false, memory: false }), ..tables.clone() };
         let error = engine.run(&carried, &goniometer, &WalkPlan::new(1, 10), &mut |_| {}).expect_err("it is carried");
         assert!(error.to_string().contains("place flights at hits"), "{error}");
     }

@@ -1,7 +1,7 @@
 //! The distribution calculator: f(p, x) of a cloth of yarns from its explicit fibers (paper §5).
 
 use super::cells::{Cell, CellGrid};
-use super::count::{EDGE_UNITS, Count, Gathered, Grids, Key, SURFACE_UNIT, count};
+use super::count::{Count, EDGE_UNITS, Gathered, Grids, Key, SURFACE_UNIT, count};
 use super::directions::DirectionGrid;
 use super::lists::{Lists, make_lists};
 use super::placement::MAX_SEPARATE_FRACTION;

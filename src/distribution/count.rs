@@ -29,7 +29,6 @@ pub struct Grids {
 /// Units of a cell's edge in which places are told.
 pub const EDGE_UNITS: f64 = 1024.0;
 
-
 impl Grids {
     /// Cells of the grid of lists along each axis.
     pub fn list_counts(&self) -> [u32; 3] {

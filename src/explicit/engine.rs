@@ -167,7 +167,8 @@ impl Walker for Explicit {
             if walks.is_empty() { vec![] } else { (walks.start / each..=(walks.end - 1) / each).collect() };
         let mut tally = Tally::new(origin.clone(), goniometer.layout(), starts, Kind::channels(&self.kinds));
         let threads = rayon::current_num_threads();
-        for some in realizations.chunk_by(|a, b| if self.anew { a / ANEW == b / ANEW } else { b % threads as u64 != 0 }) {
+        for some in realizations.chunk_by(|a, b| if self.anew { a / ANEW == b / ANEW } else { b % threads as u64 != 0 })
+        {
             let parts = self.walk_through(goniometer, plan, some)?;
             let mut fates = self.fates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             for (number, scores) in some.iter().zip(&parts) {

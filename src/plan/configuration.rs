@@ -170,8 +170,18 @@ impl Configuration {
     /// directions, and every setting that is not the usual one. The fibers themselves are `fibers 256w`, with the walks of each
     /// start through one realization.
     pub fn name(&self) -> String {
-        let Model { medium, tracking, placement, direct, first_hit, memory, packing, directions, length_over_radius, .. } =
-            self.model;
+        let Model {
+            medium,
+            tracking,
+            placement,
+            direct,
+            first_hit,
+            memory,
+            packing,
+            directions,
+            length_over_radius,
+            ..
+        } = self.model;
         let mut name = String::new();
         if packing == Packing::Separate {
             name += "separate ";

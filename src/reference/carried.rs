@@ -62,6 +62,7 @@ impl Flight {
             if let Some(known) = known {
                 *station = begin;
                 station.fly(grid, m, path);
+                witness.magnify(|| known.growth);
                 return Event::Known(known);
             }
         }

@@ -1,8 +1,8 @@
 //! Flights to the next collision, by null collisions or by the table of H(m) (paper §4).
 
 use super::cells::Station;
-use super::memory::{Known, Memory};
 use super::medium::free_path;
+use super::memory::{Known, Memory};
 use super::walk::Witness;
 use crate::distribution::CellGrid;
 use crate::tables::{SamplingTables, VisibleArea};

@@ -25,6 +25,8 @@ struct Body {
 pub(super) struct Known {
     /// Way from where the flight set out, in mm.
     distance: f64,
+    /// By how much errors grow at a hit whose offset is not drawn but found.
+    pub growth: f64,
     pub p: DVec3,
     pub offset: f64,
     pub kind: usize,
@@ -83,6 +85,7 @@ impl Memory {
         let (begin, way) = (p.dot(from), p.dot(to - from));
         let [one, other] = [-1.0, 1.0].map(|side| (side * self.reach * radius - begin) / way);
         let (low, high) = (one.min(other).max(0.0), one.max(other).min(1.0));
+        witness.decide(|| (high - low) * way / scale);
         if low > high || low.is_nan() || high.is_nan() {
             return false;
         }
@@ -118,7 +121,7 @@ impl Memory {
         let across = out.cross(p);
         let visible = across.length();
         let offset = -axis.dot(across) / (visible * radius);
-        let scale = axis.length().max(radius) / radius;
+        let scale = axis.length().max(radius) / (radius * visible);
         witness.decide(|| (offset.abs() - 1.0) / scale);
         if offset.is_nan() || offset.abs() >= 1.0 {
             return None;
@@ -134,6 +137,7 @@ impl Memory {
         witness.decide(|| height.abs().min((height + self.thickness).abs()) / self.thickness);
         let near = p.dot(along).abs() <= self.reach * radius;
         let inside = (-self.thickness..=0.0).contains(&height);
-        (distance > 0.0 && near && inside).then_some(Known { distance, p, offset, kind })
+        let growth = scale / (visible * (1.0 - offset * offset).sqrt());
+        (distance > 0.0 && near && inside).then_some(Known { distance, growth, p, offset, kind })
     }
 }

@@ -20,6 +20,9 @@ use glam::{DVec2, DVec3};
 pub(super) trait Witness {
     /// A decision, and the distance of the deciding number from its threshold, in its own unit of order 1.
     fn decide(&mut self, distance: impl FnOnce() -> f64);
+
+    /// Errors of what is decided from here on have grown by this factor.
+    fn magnify(&mut self, factor: impl FnOnce() -> f64);
 }
 
 /// Sees nothing and costs nothing.
@@ -27,6 +30,8 @@ pub(super) struct Blind;
 
 impl Witness for Blind {
     fn decide(&mut self, _: impl FnOnce() -> f64) {}
+
+    fn magnify(&mut self, _: impl FnOnce() -> f64) {}
 }
 
 /// A walk and its nearest decision.
@@ -40,17 +45,22 @@ pub struct Replay {
     pub nearest_tie: f64,
 }
 
-struct Nearest(f64);
+/// The least distance so far, and how much errors have grown.
+struct Nearest(f64, f64);
 
 impl Witness for Nearest {
     fn decide(&mut self, distance: impl FnOnce() -> f64) {
-        self.0 = self.0.min(distance().abs());
+        self.0 = self.0.min(distance().abs() / self.1);
+    }
+
+    fn magnify(&mut self, factor: impl FnOnce() -> f64) {
+        self.1 *= factor();
     }
 }
 
 /// Walk number `i` of a start once more, with its nearest decision.
 pub fn replay(tables: &SamplingTables, goniometer: &Goniometer, plan: &WalkPlan, start: usize, i: u64) -> Replay {
-    let mut nearest = Nearest(f64::INFINITY);
+    let mut nearest = Nearest(f64::INFINITY, 1.0);
     let walked = walk(tables, goniometer, plan, start, i, &mut nearest);
     Replay { walked, nearest_tie: nearest.0 }
 }

@@ -135,7 +135,8 @@ mod tests {
         let grid = CellGrid { counts, period: DVec2::new(1.0, 0.5), thickness: 0.3 };
         let mut values = vec![Cell { surface: 0.0, placement: 1.0, list: 7, centroid: Cell::MIDDLE }; grid.len()];
         for (place, surface, list) in filled {
-            values[grid.index(*place)] = Cell { surface: *surface, placement: 1.0, list: *list, centroid: Cell::MIDDLE };
+            values[grid.index(*place)] =
+                Cell { surface: *surface, placement: 1.0, list: *list, centroid: Cell::MIDDLE };
         }
         (grid, values)
     }
@@ -167,8 +168,7 @@ mod tests {
             lists: vec![Vec::new()],
             spread_error: 0.0,
         };
-        let majorant =
-            |placement, radius| rates(&length, &Model { placement, ..Model::default() }, radius).majorant;
+        let majorant = |placement, radius| rates(&length, &Model { placement, ..Model::default() }, radius).majorant;
         assert_eq!(majorant(Placement::AtHit, 0.05), 4.0);
         assert_eq!(majorant(Placement::Carried, 0.05), 4.0);
         assert_eq!(majorant(Placement::CarriedVoid, 0.05), 6.0);

@@ -143,7 +143,8 @@ mod tests {
     /// Volume and middle by a grid of points.
     fn counted(cut: &Cut) -> (f64, DVec3) {
         let n = 64;
-        let points = (0..n * n * n).map(|i| (DVec3::from([i % n, i / n % n, i / n / n].map(f64::from)) + 0.5) / f64::from(n));
+        let points =
+            (0..n * n * n).map(|i| (DVec3::from([i % n, i / n % n, i / n / n].map(f64::from)) + 0.5) / f64::from(n));
         let inside: Vec<DVec3> = points.filter(|point| cut.holds(*point)).collect();
         let sum: DVec3 = inside.iter().sum();
         (inside.len() as f64 / f64::from(n * n * n), sum / inside.len() as f64)

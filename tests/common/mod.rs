@@ -58,6 +58,7 @@ pub struct Cloth {
     pub directions: u32,
     pub tracking: &'static str,
     pub placement: &'static str,
+    pub memory: &'static str,
     pub incident: String,
     pub exit: u32,
     /// A named exit basis in place of the disc's.
@@ -104,6 +105,7 @@ impl Cloth {
             directions: 1024,
             tracking: "null-collision",
             placement: "at-hit",
+            memory: "none",
             incident: "8".into(),
             exit: 16,
             exit_basis: None,
@@ -134,9 +136,14 @@ impl Cloth {
         Cloth { placement, ..self }
     }
 
+    /// The same sheet, whose walks remember their last flight.
+    pub fn remembering(self) -> Cloth {
+        Cloth { memory: "flight", ..self }
+    }
+
     /// The file's text.
     pub fn toml(&self) -> String {
-        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, placement, .. } = self;
+        let Cloth { radius_um, ior, absorption, thickness_um, directions, tracking, placement, memory, .. } = self;
         let Cloth { incident, sides, .. } = self;
         let exit = self.exit_basis.map_or_else(|| self.exit.to_string(), |name| format!("{name:?}"));
         let fiber = |name: &str, radius: &f64, ior: &f64, absorption: &str| {
@@ -147,7 +154,7 @@ impl Cloth {
             text += &fiber(&format!("g{i}"), &kind.radius_um, &kind.ior, &kind.absorption);
         }
         text += &format!(
-            "[model]\ntracking = \"{tracking}\"\nplacement = \"{placement}\"\ndirections = {directions}\n\
+            "[model]\ntracking = \"{tracking}\"\nplacement = \"{placement}\"\nmemory = \"{memory}\"\ndirections = {directions}\n\
              length_over_radius = {}\n[measure]\nsides = {sides}\nincident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
             self.length_over_radius
         );

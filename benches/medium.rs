@@ -4,6 +4,7 @@
 //! For each preset and packing, walks through the fibers themselves are the reference; their row has the shares of light by
 //! direction. A row of the medium has one placement and one edge of the cells: by how many percent R and T (of the first
 //! channel) are off in the direction where they are off most, by how many percent of the incident light direct light is;
+//! each with its standard error;
 //! E, the difference of all scattered light, pooled over directions, exit cells and channels, with its standard error, from
 //! products of independent blocks of walks, so that noise is not in it. The output is Markdown.
 
@@ -105,17 +106,22 @@ fn tallies(trial: &Trial, seed: u64) -> Result<Vec<Tally>> {
     Ok(blocks.into_iter().map(|block| block.tally).collect())
 }
 
-/// The mean of a share over the blocks, by start.
-fn means(blocks: &[Tally], share: impl Fn(&Totals) -> f64) -> Vec<f64> {
-    let of =
-        |start: usize| blocks.iter().map(|block| share(&totals(block, start, 0))).sum::<f64>() / blocks.len() as f64;
+/// The mean of a share over the blocks and its standard error, by start.
+fn means(blocks: &[Tally], share: impl Fn(&Totals) -> f64) -> Vec<[f64; 2]> {
+    let n = blocks.len() as f64;
+    let of = |start: usize| {
+        let shares: Vec<f64> = blocks.iter().map(|block| share(&totals(block, start, 0))).collect();
+        let mean = shares.iter().sum::<f64>() / n;
+        let square = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>();
+        [mean, (square / n / (n - 1.0)).sqrt()]
+    };
     (0..blocks[0].starts()).map(of).collect()
 }
 
 /// The row of the fibers: values by direction.
 fn fiber_row(label: &str, reference: &[Tally], trial: &Trial, seconds: f64) -> Result<String> {
     let of = |share: fn(&Totals) -> f64| {
-        means(reference, share).iter().map(|value| format!("{value:.3}")).collect::<Vec<_>>().join(" ")
+        means(reference, share).iter().map(|[value, _]| format!("{value:.3}")).collect::<Vec<_>>().join(" ")
     };
     let walks = reference.iter().map(|block| block.counts.launched).sum::<u64>() as f64;
     let hits = reference.iter().map(|block| block.counts.collisions).sum::<u64>() as f64;
@@ -138,8 +144,12 @@ fn row(scene: &Scene, extent: &Extent, configuration: Configuration, reference: 
     let blocks = tallies(&trial, 1)?;
     let worst = |share: fn(&Totals) -> f64, relative: bool| {
         let (here, there) = (means(&blocks, share), means(reference, share));
-        let off = here.iter().zip(&there).map(|(a, b)| 100.0 * (a - b) / if relative { *b } else { 1.0 });
-        format!("{:+.1}", off.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default())
+        let off = here.iter().zip(&there).map(|(a, b)| {
+            let percent = 100.0 / if relative { b[0] } else { 1.0 };
+            (percent * (a[0] - b[0]), percent * a[1].hypot(b[1]))
+        });
+        let (value, error) = off.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or_default();
+        format!("{value:+.1} ± {error:.1}")
     };
     let found = distance(&blocks, reference)?.estimate();
     Ok(format!(

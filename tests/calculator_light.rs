@@ -140,7 +140,7 @@ fn run(engine: &dyn Engine, tables: &SamplingTables, prepared: &Prepared, plan: 
 #[test]
 fn both_engines_agree_on_woven_cloths() {
     for (name, cells, more) in
-        [("voile", "[16, 16, 6]", 1.18), ("denim", "[16, 24, 6]", 1.1), ("charmeuse", "[10, 20, 5]", 1.16)]
+        [("voile", "[16, 16, 6]", 1.3), ("denim", "[16, 24, 6]", 1.1), ("charmeuse", "[10, 20, 5]", 1.16)]
     {
         let (scene, prepared) = coarse(name, &format!("cells = {cells}"), "incident = [[20, 10], [60, 130]]\nexit = 8");
         let bent = {

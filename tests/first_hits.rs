@@ -198,20 +198,19 @@ fn stated_errors_of_cells_hold_though_walks_share_rays() {
 
 #[test]
 fn first_hits_on_fibers_bring_a_coarse_medium_nearer_to_them() {
-    let scene = preset("voile", &[("incident", "[[3, 35], [30, 20], [60, 12], [60, 55]]"), ("exit", "8")]);
+    let scene = preset("lining", &[("incident", "[[3, 35], [30, 20], [60, 12], [60, 55]]"), ("exit", "8")]);
     let extent = Extent::of(&scene).expect("it can be laid out");
-    let usual = Configuration::of(&scene, &extent).edged(8.0);
+    let usual = Configuration::of(&scene, &extent).edged(4.0);
     let blocks = |configuration: Configuration| -> Vec<Tally> {
         let trial = Trial::prepare(&scene, &extent, configuration).expect("it can be prepared");
-        let blocks = trial.blocks(gpu(), trial.configuration().seed(1), 0, 16384).expect("it runs");
+        let blocks = trial.blocks(gpu(), trial.configuration().seed(1), 0, 32768).expect("it runs");
         blocks.into_iter().map(|block| block.tally).collect()
     };
     let fibers = blocks(Configuration::fibers(&scene, 512));
     let [on_fibers, in_medium] = [usual, usual.hit_first(FirstHit::Medium)]
         .map(|configuration| distance(&blocks(configuration), &fibers).expect("they are alike").estimate());
     println!("E = {on_fibers:?} with first hits on fibers, {in_medium:?} without");
-    assert!(
-        on_fibers.value + 3.0 * on_fibers.stderr < in_medium.value - 3.0 * in_medium.stderr,
-        "{on_fibers:?} {in_medium:?}"
-    );
+    // Wrong once in 700 where both are as good.
+    let error = on_fibers.stderr.hypot(in_medium.stderr);
+    assert!(on_fibers.value + 3.0 * error < in_medium.value, "{on_fibers:?} {in_medium:?}");
 }

@@ -11,7 +11,7 @@ use common::{SplitMix, gpu};
 use fiberwalk::cloth::Primitive;
 use fiberwalk::distribution::{Effort, SpecificLength};
 use fiberwalk::goniometer::Goniometer;
-use fiberwalk::scene::{Placement, Scene, Source};
+use fiberwalk::scene::{Memory, Placement, Scene, Source};
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::{DVec2, DVec3};
@@ -101,6 +101,7 @@ fn direct_light_tends_to_the_openness_as_cells_get_finer() {
     let mut scene = Scene::parse(&Source::find("voile").expect("it is a preset")).expect("it is right");
     scene.measure.set_from_flag("incident", &format!("{DIRECTIONS:?}")).expect("directions");
     (scene.model.directions, scene.model.placement) = (256, Placement::AtHit);
+    scene.model.memory = Memory::None;
     let goniometer = Goniometer::new(&scene.measure);
     let open = DIRECTIONS
         .map(|[theta, phi]| openness(&|number| cloth.realize(3, number), 32, cloth.period(), ray(theta, phi), 384));

@@ -249,7 +249,7 @@ fn a_file_without_fibers_is_refused() {
 fn unknown_keys_are_refused_with_the_nearest_one() {
     let part = "allowed: fiber, length_density_per_mm2, orientation, axis, spread_deg";
     let kind = "allowed: radius_um, fineness_dtex, ior, density_g_per_cm3, absorption_per_mm";
-    let model = "allowed: tracking, placement, packing, direct, first_hit, directions, length_over_radius";
+    let model = "allowed: tracking, placement, packing, direct, first_hit, memory, directions, length_over_radius";
     let top = "allowed: name, fiber, yarn, sheet, weave, knit, model, measure";
     refuse_edits(&[
         ("name", "nam", &format!("1:1: unknown key `nam` at the top, did you mean `name`?; {top}")),

@@ -17,7 +17,7 @@ use std::time::Duration;
 use watch::Watch;
 
 /// Directions of light where neither file nor flag lists some.
-const INCIDENT: &str = "[[0, 0], [30, 20], [60, 0], [60, 45]]";
+const INCIDENT: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 /// Exit cells along an edge of the disc where no flag says.
 const EXIT: &str = "8";
 

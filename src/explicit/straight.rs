@@ -13,8 +13,11 @@ use std::sync::{Arc, Mutex};
 
 /// Realizations that rays of one bank go through.
 const REALIZATIONS: u64 = 8;
-/// Realizations that a calculator shows, of which direct light is the mean; further ones are not looked at.
+/// Realizations that a calculator shows, whose rays are kept for walks; of further ones only the direct light is.
 const SHOWN: u64 = 32;
+/// Direct light is the mean of so many realizations that its standard error is this share of the incident light, or of `MOST`.
+const PRECISION: f64 = 1e-3;
+const MOST: u64 = 160;
 /// Rays through each, all starts together.
 const RAYS: usize = 1 << 14;
 /// Fewest rays of a start through each.
@@ -34,6 +37,8 @@ pub struct StraightRays {
     places: Vec<usize>,
     /// By realization: its rays, start by start.
     seen: Mutex<BTreeMap<u64, Vec<FirstHit>>>,
+    /// By realization: the share of the rays of each start that touch nothing.
+    untouched: Mutex<BTreeMap<u64, Vec<f64>>>,
 }
 
 impl StraightRays {
@@ -42,7 +47,7 @@ impl StraightRays {
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
         let places = (0..scene.fibers.len()).map(place).collect();
-        StraightRays { goniometer: goniometer.clone(), places, seen: Mutex::new(BTreeMap::new()) }
+        StraightRays { goniometer: goniometer.clone(), places, seen: Mutex::default(), untouched: Mutex::default() }
     }
 
     /// Numbers of the realizations that rays are to go through before the first walk.
@@ -65,8 +70,41 @@ impl StraightRays {
             return Ok(());
         }
         let rays = self.through(number, realization, self.of_start())?;
+        self.untouched().insert(number, self.shares(&rays));
         self.seen().insert(number, rays);
         Ok(())
+    }
+
+    /// See direct light in further realizations, until its error is small enough.
+    ///
+    /// # Errors
+    /// Those of drawing the fibers.
+    pub fn go_on(&self, realizer: &Realizer) -> Result<()> {
+        let side_by_side = rayon::current_num_threads() as u64;
+        loop {
+            let first = self.untouched().len() as u64;
+            let worst = self.light().into_iter().flatten().map(|light| light.stderr).fold(0.0, f64::max);
+            if worst <= PRECISION || first >= MOST {
+                return Ok(());
+            }
+            // The error falls with the root of the realizations.
+            let wanted = (first as f64 * (worst / PRECISION).powi(2)).ceil().min(MOST as f64) as u64;
+            for start in (first..wanted).step_by(side_by_side as usize) {
+                let numbers = start..(start + side_by_side).min(wanted);
+                let of_one = |number| {
+                    let rays = self.through(number, &realizer.draw(number)?, self.of_start())?;
+                    Ok((number, self.shares(&rays)))
+                };
+                let found: Vec<(u64, Vec<f64>)> = numbers.into_par_iter().map(of_one).collect::<Result<_>>()?;
+                self.untouched().extend(found);
+            }
+        }
+    }
+
+    /// Shares of the rays of each start through one realization that touch nothing.
+    fn shares(&self, rays: &[FirstHit]) -> Vec<f64> {
+        let of_start = |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
+        rays.chunks(self.of_start()).map(of_start).collect()
     }
 
     /// Rays of a start through one realization.
@@ -118,15 +156,11 @@ impl StraightRays {
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
     /// start; none before the second realization.
     pub fn light(&self) -> Option<Vec<Straight>> {
-        let (seen, each) = (self.seen(), self.of_start());
-        let n = seen.len() as f64;
-        (seen.len() > 1).then(|| {
+        let (untouched, each) = (self.untouched(), self.of_start());
+        let n = untouched.len() as f64;
+        (untouched.len() > 1).then(|| {
             let of = |start: usize| {
-                let untouched = |rays: &Vec<FirstHit>| {
-                    let own = &rays[start * each..(start + 1) * each];
-                    own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / each as f64
-                };
-                let shares: Vec<f64> = seen.values().map(untouched).collect();
+                let shares: Vec<f64> = untouched.values().map(|shares| shares[start]).collect();
                 let mean = shares.iter().sum::<f64>() / n;
                 let square: f64 = shares.iter().map(|share| (share - mean).powi(2)).sum();
                 // Where all or none of the rays were stopped, the error is that of one of them.
@@ -156,6 +190,10 @@ impl StraightRays {
             rays.extend(turns);
         }
         FirstHits { of_start, rays }
+    }
+
+    fn untouched(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<f64>>> {
+        self.untouched.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
     fn seen(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<FirstHit>>> {

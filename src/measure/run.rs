@@ -134,6 +134,9 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         if gathering.is_none() {
             StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
         }
+        if direct == Direct::Straight && packing == Packing::Random {
+            rays.go_on(&realizer)?;
+        }
         straight = rays.light().filter(|_| direct == Direct::Straight);
         // Separate fibers take too long to draw for fresh rays.
         let realizer = Some(realizer).filter(|_| packing == Packing::Random);

@@ -30,6 +30,9 @@ impl EngineClass {
 /// the second.
 const PIECE_TESTED: [f64; 2] = [32.0, 80.0];
 const PIECE_DRAWN: f64 = 1500.0;
+/// A walk through finer cells takes this power of 1/edge more time, 1 at an edge of four radii: flights are those of the densest cell,
+/// and larger tables fit the caches less.
+const FINER: f64 = 0.35;
 /// Realizations that a medium is counted from, and times that counting takes as long as drawing.
 const COUNTED: f64 = 40.0;
 const COUNTING: f64 = 3.0;
@@ -62,6 +65,11 @@ impl Cost {
             test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
             piece: 1e-9 * PIECE_DRAWN / threads,
         }
+    }
+
+    /// How much more a walk costs in cells of another edge, in radii of the thinnest fiber, than in those of `tried`.
+    pub fn of_edge(edge: Option<f64>, tried: f64) -> f64 {
+        edge.map_or(1.0, |edge| (tried / edge).powf(FINER))
     }
 
     /// Seconds of counting a medium.

@@ -24,5 +24,5 @@ pub use configuration::{Configuration, Extent, short};
 pub use cost::{Cost, EngineClass};
 pub use pilot::Pilot;
 pub use planner::{Candidate, Plan, candidates, plan};
-pub use prior::Belief;
+pub use prior::{Belief, Expected};
 pub use trial::{BLOCKS, Block, Trial};

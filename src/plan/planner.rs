@@ -3,7 +3,7 @@
 use super::configuration::{Configuration, Extent};
 use super::cost::{Cost, EngineClass};
 use super::pilot::Pilot;
-use super::prior::Belief;
+use super::prior::{Belief, Expected};
 use crate::bsdf::Estimate;
 use crate::error::Result;
 use crate::goniometer::Goniometer;
@@ -21,7 +21,7 @@ const SHARE: f64 = 0.07;
 /// Part of that time for walks through the fibers; the rest is for the medium.
 const OF_FIBERS: f64 = 0.6;
 /// A smaller model may cost so many times as much in walks as the cheapest.
-const WORTH: f64 = 1.1;
+const WORTH: f64 = 1.15;
 /// Standard errors of the expected error of a model that are taken off the tolerance beside it.
 const ROOM: f64 = 0.5;
 /// Tentative events of a walk through a medium, for each piece that one through the fibers is tested against, before any is
@@ -105,7 +105,7 @@ impl Plan {
 }
 
 /// The list that a planner chooses from: of yarns, the medium of the placement for their packing with first hits on fibers, at edges
-/// of 8, 4, the usual and 1.4 radii; of a sheet, at-hit and that placement; and the fibers themselves.
+/// of 8, 4, the usual and 1.4 radii; of a sheet, that placement and at-hit; and the fibers themselves.
 pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
     let usual = Configuration::of(scene, extent);
     let carried = match scene.model.packing {
@@ -113,7 +113,7 @@ pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
         Packing::Separate => Placement::CarriedVoid,
     };
     let media = match (&scene.structure, extent.usual_edge()) {
-        (Structure::Sheet(_), _) | (_, None) => vec![usual.placed(Placement::AtHit), usual.placed(carried)],
+        (Structure::Sheet(_), _) | (_, None) => vec![usual.placed(carried), usual.placed(Placement::AtHit)],
         (_, Some(edge)) => {
             let coarse = EDGES.into_iter().filter(|coarse| *coarse > 1.2 * edge);
             let fine = EDGES.into_iter().filter(|fine| *fine < edge / 1.2 && edge <= 2.0);
@@ -167,8 +167,8 @@ struct Planner<'a> {
     /// Of at-hit in a sheet.
     at_hit: Option<Belief>,
     cost: Cost,
-    /// Tentative events of a walk through the medium that was tried.
-    events: Option<f64>,
+    /// Edge of the medium that was tried, in radii of the thinnest fiber, and tentative events of a walk through it.
+    events: Option<(f64, f64)>,
 }
 
 impl Planner<'_> {
@@ -194,7 +194,7 @@ impl Planner<'_> {
             pilot_seconds += started.elapsed().as_secs_f64();
             prepared = Some((configuration, medium));
             self.learn(&configuration, found.square, found.square_error);
-            self.events = Some(events);
+            self.events = Some((configuration.edge.unwrap_or(4.0), events));
             tried.push(configuration.name());
         }
         let chosen = self.choose(&pilot, &tried);
@@ -263,31 +263,37 @@ impl Planner<'_> {
     fn learn(&mut self, configuration: &Configuration, square: f64, error: f64) {
         let edge = configuration.edge.unwrap_or(2.0);
         if self.is_sheet() && configuration.model.placement == Placement::AtHit {
-            self.at_hit = Some(self.expected(configuration).after(square, error, 2.0));
+            self.at_hit = Some(self.of_at_hit().after(square, error, edge));
         } else {
             self.belief = self.belief.after(square, error, edge);
         }
     }
 
     /// E that is expected of a configuration.
-    fn expected(&self, configuration: &Configuration) -> Belief {
+    fn expected(&self, configuration: &Configuration) -> Expected {
         if configuration.model.medium == Medium::Explicit {
-            return Belief { error: 0.0, spread: 0.0, spun: false };
+            return Expected { error: 0.0, spread: 0.0 };
         }
-        match (&self.scene.structure, configuration.model.placement) {
-            // Hits are off by about the volume fraction, lobes by half of that.
-            (Structure::Sheet(sheet), Placement::AtHit) => self.at_hit.unwrap_or_else(|| {
-                let fraction = sheet.volume_fraction(&self.scene.fibers);
-                Belief { error: fraction / 2.0, spread: fraction / 4.0, spun: false }
-            }),
-            _ => self.belief.at(configuration.edge.unwrap_or(2.0)),
-        }
+        let at_hit = self.is_sheet() && configuration.model.placement == Placement::AtHit;
+        let belief = if at_hit { self.of_at_hit() } else { self.belief };
+        belief.at(configuration.edge.unwrap_or(2.0))
+    }
+
+    /// What is known of at-hit in a sheet: hits are off by about the volume fraction, lobes by half of that.
+    fn of_at_hit(&self) -> Belief {
+        self.at_hit.unwrap_or_else(|| {
+            let fraction = match &self.scene.structure {
+                Structure::Sheet(sheet) => sheet.volume_fraction(&self.scene.fibers),
+                Structure::Weave(_) | Structure::Knit(_) => 0.0,
+            };
+            Belief::new([fraction / 2.0, fraction / 6.0], [0.0, 0.0])
+        })
     }
 
     /// How a configuration shares out the tolerance: its expected E, and the noise that is left, if any. It leaves room for what E
     /// may be more than expected.
     fn shared_out(&self, configuration: &Configuration) -> (Estimate, Option<f64>) {
-        let Belief { error, spread, .. } = self.expected(configuration);
+        let Expected { error, spread } = self.expected(configuration);
         let left = self.tolerance.powi(2) - (error + ROOM * spread).powi(2);
         (Estimate { value: error, stderr: spread }, (left > 0.0).then(|| left.sqrt()))
     }
@@ -296,7 +302,10 @@ impl Planner<'_> {
     fn judge(&self, configuration: &Configuration, pilot: &Pilot, tried: &[String]) -> Candidate {
         let (model_error, noise) = self.shared_out(configuration);
         let seconds_a_walk = match configuration.model.medium {
-            Medium::Implicit => self.cost.event * self.events.unwrap_or(EVENTS_A_TEST * pilot.tests_a_walk),
+            Medium::Implicit => {
+                let (tried, events) = self.events.unwrap_or((4.0, EVENTS_A_TEST * pilot.tests_a_walk));
+                self.cost.event * events * Cost::of_edge(configuration.edge, tried)
+            }
             Medium::Explicit => self.cost.test * pilot.tests_a_walk,
         };
         // Finer exit cells take more walks at equal noise.

@@ -1,70 +1,95 @@
 //! What is known of the error of a medium before it is tried: measurements on the cloths of docs/medium.md.
 
-use crate::scene::{Packing, Scene, Structure};
+use crate::scene::{Memory, Packing, Scene, Structure};
 
 /// Edge, in radii of the thinnest fiber, at which the error of cells is told.
-const USUAL_EDGE: f64 = 2.0;
-/// E grows with this power of the edge: by 1.5 to 2 from 2 to 4 radii and by 3.4 to 4 to 8. Below the usual edge it falls as fast for
-/// filaments, to 0.72 of it at 1.4 radii, and hardly for spun yarns, whose directions are the coarser ones.
-const POWER: f64 = 0.9;
-const POWER_OF_SPUN: f64 = 0.3;
+const USUAL_EDGE: f64 = 4.0;
 
-/// E², its mean and its standard deviation over cloths of a class, as shares of the scattered light.
+/// E² as shares of the scattered light: E² = floor² + cells² (edge/4)⁴. Cells that are cut where fibers end err by the square of their
+/// edge; the floor is that of directions and of what the medium forgets. Both squares have means, variances and a covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief {
-    /// E of the default medium at the usual edge.
+    /// Means of floor² and cells².
+    mean: [f64; 2],
+    /// Their variances, and their covariance.
+    variance: [f64; 2],
+    covariance: f64,
+}
+
+/// An error and its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// E.
     pub error: f64,
-    /// Its standard deviation.
+    /// Its standard deviation; near 0 that which E² hides.
     pub spread: f64,
-    /// Whether it is of spun yarns.
-    pub spun: bool,
 }
 
 impl Belief {
-    /// Of a cloth that nobody has tried: E of the medium of its placement with first hits on fibers, at the usual edge.
+    /// Of floor and cells, each with its standard deviation.
+    pub fn new(floor: [f64; 2], cells: [f64; 2]) -> Belief {
+        let variance = |[error, spread]: [f64; 2]| (2.0 * error * spread).powi(2);
+        Belief {
+            mean: [floor[0].powi(2), cells[0].powi(2)],
+            variance: [variance(floor), variance(cells)],
+            covariance: 0.0,
+        }
+    }
+
+    /// Of a cloth that nobody has tried: E of the medium of its placement with first hits on fibers.
     pub fn of(scene: &Scene) -> Belief {
         // Of a homogeneous sheet there are no cells to be coarse: E is at most 1.1 % in boxes of overlapping fibers.
         if let Structure::Sheet(_) = &scene.structure {
-            return Belief { error: 0.005, spread: 0.005, spun: false };
+            return Belief::new([0.005, 0.005], [0.0, 0.0]);
         }
-        let untwisted = scene.structure.untwisted();
         let absorbing = !scene.channels.lossless() && scene.kinds().len() > 1;
-        let (error, spread) = match (absorbing, untwisted, scene.model.packing) {
-            // Where dark and light yarns meet: denim, dimout.
-            (true, ..) => (0.065, 0.010),
+        let cells = match (absorbing, scene.structure.untwisted()) {
             // Filaments without twist: charmeuse, lining.
-            (_, true, _) => (0.045, 0.010),
-            (_, _, Packing::Separate) => (0.035, 0.015),
-            // Spun yarns: gabardine, jersey, linen, muslin, rib, sheer, voile.
-            (_, false, Packing::Random) => (0.028, 0.008),
+            (false, true) => [0.020, 0.004],
+            // Where dark and light yarns meet: denim, dimout. Spun yarns: gabardine, jersey, linen, muslin, rib, sheer, voile.
+            (true, _) | (_, false) => [0.009, 0.003],
         };
-        Belief { error, spread, spun: !untwisted }
+        let floor = match (absorbing, scene.model.packing, scene.model.memory) {
+            (_, Packing::Separate, _) => [0.035, 0.015],
+            (_, Packing::Random, Memory::None) => [0.030, 0.008],
+            (true, ..) => [0.022, 0.004],
+            (false, ..) => [0.015, 0.003],
+        };
+        Belief::new(floor, cells)
     }
 
-    /// What E at another edge is, in units of that at the usual one.
-    pub fn growth(&self, edge: f64) -> f64 {
-        let ratio = edge / USUAL_EDGE;
-        ratio.powf(if self.spun && ratio < 1.0 { POWER_OF_SPUN } else { POWER })
-    }
-
-    /// The belief after E² was found to be `square` ± `error` at some edge. Squares are averaged, weighted by their precision.
+    /// The belief after E² was found to be `square` ± `error` at some edge: the mean weighted by precision, of both parts.
     pub fn after(self, square: f64, error: f64, edge: f64) -> Belief {
-        let growth = self.growth(edge).powi(2);
-        let (found, found_error) = (square / growth, error / growth);
-        let (known, known_error) = (self.error.powi(2), 2.0 * self.error * self.spread);
-        let weights = [1.0 / known_error.powi(2), 1.0 / found_error.powi(2)];
-        let mean = ((known * weights[0] + found * weights[1]) / (weights[0] + weights[1])).max(0.0);
-        let spread = 1.0 / (weights[0] + weights[1]).sqrt();
-        // Near 0 the error of E is that which its square hides.
-        let error = mean.sqrt();
-        Belief { error, spread: (mean + spread).sqrt() - error, ..self }
+        let growth = growth(edge);
+        let Belief { mean, variance, covariance } = self;
+        // What the found square tells of each part.
+        let told = [variance[0] + growth * covariance, covariance + growth * variance[1]];
+        let whole = told[0] + growth * told[1] + error * error;
+        if whole <= 0.0 {
+            return self;
+        }
+        let miss = square - mean[0] - growth * mean[1];
+        let gain = told.map(|told| told / whole);
+        Belief {
+            mean: [0, 1].map(|part| (mean[part] + gain[part] * miss).max(0.0)),
+            variance: [0, 1].map(|part| (variance[part] - gain[part] * told[part]).max(0.0)),
+            covariance: covariance - gain[0] * told[1],
+        }
     }
 
-    /// At an edge: E and its standard deviation.
-    pub fn at(self, edge: f64) -> Belief {
-        let growth = self.growth(edge);
-        Belief { error: self.error * growth, spread: self.spread * growth, ..self }
+    /// E at an edge.
+    pub fn at(self, edge: f64) -> Expected {
+        let growth = growth(edge);
+        let mean = self.mean[0] + growth * self.mean[1];
+        let variance = self.variance[0] + 2.0 * growth * self.covariance + growth * growth * self.variance[1];
+        let error = mean.sqrt();
+        Expected { error, spread: (mean + variance.max(0.0).sqrt()).sqrt() - error }
     }
+}
+
+/// How E² of cells grows with their edge, in units of that at the usual one.
+fn growth(edge: f64) -> f64 {
+    (edge / USUAL_EDGE).powi(4)
 }
 
 #[cfg(test)]
@@ -73,15 +98,27 @@ mod tests {
 
     #[test]
     fn precise_trials_outweigh_what_was_believed_and_coarse_ones_do_not() {
-        let belief = Belief { error: 0.025, spread: 0.01, spun: true };
-        let sure = belief.after(0.06f64.powi(2), 1e-5, 2.0);
+        let belief = Belief::new([0.015, 0.005], [0.01, 0.005]);
+        let sure = belief.after(0.06f64.powi(2), 1e-5, 2.0).at(2.0);
         assert!((sure.error - 0.06).abs() < 1e-3 && sure.spread < 1e-3, "{sure:?}");
-        let unsure = belief.after(0.06f64.powi(2), 1.0, 2.0);
-        assert!((unsure.error - 0.025).abs() < 1e-4, "{unsure:?}");
-        // What is found at another edge is brought to the usual one.
-        let coarse = belief.after((0.06 * belief.growth(4.0)).powi(2), 1e-5, 4.0);
-        assert!((coarse.error - 0.06).abs() < 1e-3, "{coarse:?}");
-        let none = belief.after(-1e-3, 1e-5, 2.0);
+        let unsure = belief.after(0.06f64.powi(2), 1.0, 2.0).at(2.0);
+        assert!((unsure.error - belief.at(2.0).error).abs() < 1e-4, "{unsure:?}");
+        let none = belief.after(-1e-3, 1e-5, 2.0).at(2.0);
         assert!(none.error < 1e-2 && none.spread > 0.0, "{none:?}");
+    }
+
+    #[test]
+    fn what_is_found_at_two_edges_parts_cells_from_the_rest() {
+        let truth = |edge: f64| 0.02f64.powi(2) + 0.03f64.powi(2) * growth(edge);
+        let mut belief = Belief::new([0.015, 0.01], [0.02, 0.02]);
+        for edge in [2.0, 4.0, 8.0] {
+            belief = belief.after(truth(edge), 1e-6, edge);
+        }
+        let found = [1.0, 3.0, 8.0].map(|edge| belief.at(edge).error);
+        let expected = [1.0, 3.0, 8.0].map(|edge| truth(edge).sqrt());
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
+        // A trial of coarse cells tells little of fine ones.
+        let coarse = Belief::new([0.015, 0.005], [0.02, 0.01]).after(truth(8.0), 1e-6, 8.0);
+        assert!(coarse.at(2.0).spread > 10.0 * belief.at(2.0).spread);
     }
 }

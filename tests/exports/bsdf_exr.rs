@@ -214,7 +214,7 @@ fn the_model_is_told_with_its_defaults() {
     let model = |length: Value| {
         json!({
             "medium": "implicit", "tracking": "null-collision", "placement": "at-hit", "packing": "random",
-            "direct": "walks", "first_hit": "medium", "directions": 1024, "length_over_radius": length,
+            "direct": "walks", "first_hit": "medium", "memory": "none", "directions": 1024, "length_over_radius": length,
         })
     };
     let preset = Measured::listed();

@@ -21,7 +21,7 @@ const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 const EXIT: &str = "8";
 const TOLERANCES: [f64; 3] = [0.1, 0.05, 0.02];
 /// Walks of each direction and block.
-const WALKS: u64 = 16_384;
+const WALKS: u64 = 32_768;
 /// Walks of each direction through one realization of the fibers.
 const EACH: u64 = 512;
 

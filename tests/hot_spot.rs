@@ -34,7 +34,8 @@ fn through_fibers(cloth: &Cloth) -> Vec<Vec<(f64, f64)>> {
     let goniometer = Goniometer::new(&scene.measure);
     let tally = explicit.run(&goniometer, &WalkPlan::new(7, WALKS[0]), &mut |_| {}).expect("it runs");
     let factor = explicit.clustering(&tally).map_or(1.0, |found| found.reflectance.max(found.transmittance).max(1.0));
-    let widened = |light: Vec<(f64, f64)>| light.into_iter().map(|(mean, error)| (mean, error * factor.sqrt())).collect();
+    let widened =
+        |light: Vec<(f64, f64)>| light.into_iter().map(|(mean, error)| (mean, error * factor.sqrt())).collect();
     (0..tally.starts()).map(|start| widened(mean_light(&tally, start))).collect()
 }
 

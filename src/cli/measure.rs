@@ -87,7 +87,8 @@ pub struct Arguments {
     /// most 2^20 cells]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
-    /// Cells of the grid of fiber directions, a square number [default: 1024; 16384 of yarns without twist]
+    /// Cells of the grid of fiber directions, a square number [default: 1024 of sheets, 4096 of
+    /// yarns, 16384 of yarns without twist]
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     directions: Option<String>,
     /// Half angle in degrees of the cone that a fiber direction of a weave is gathered from [default: 0]

@@ -103,7 +103,8 @@ impl StraightRays {
 
     /// Shares of the rays of each start through one realization that touch nothing.
     fn shares(&self, rays: &[FirstHit]) -> Vec<f64> {
-        let of_start = |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
+        let of_start =
+            |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
         rays.chunks(self.of_start()).map(of_start).collect()
     }
 

@@ -241,7 +241,7 @@ mod tests {
         let voile = scene("voile");
         let extent = Extent::of(&voile).expect("it can be laid out");
         let usual = Configuration::of(&voile, &extent);
-        assert_eq!(usual.name(), "carried 2R 1024d");
+        assert_eq!(usual.name(), "carried 2R 4096d");
         let names = [
             usual.edged(4.0).name(),
             usual.coned(2.0).name(),
@@ -252,12 +252,12 @@ mod tests {
             Configuration::fibers(&voile, 256).name(),
         ];
         let expected = [
-            "carried 4R 1024d",
-            "carried 2R 1024d cone 2",
-            "tabulated at-hit 2R 1024d",
+            "carried 4R 4096d",
+            "carried 2R 4096d cone 2",
+            "tabulated at-hit 2R 4096d",
             "carried 2R 64d direct by walks",
-            "carried 2R 1024d first hit in the medium",
-            "carried 2R 1024d without memory",
+            "carried 2R 4096d first hit in the medium",
+            "carried 2R 4096d without memory",
             "fibers 256w",
         ];
         assert_eq!(names, expected);
@@ -284,7 +284,7 @@ mod tests {
         let mut given = voile.clone();
         given.model.cells = Some([32, 200, 8]);
         let given = Configuration::of(&given, &extent);
-        assert_eq!(given.name(), "carried 32x200x8 1024d");
+        assert_eq!(given.name(), "carried 32x200x8 4096d");
         assert_eq!(given.halved(&extent).and_then(|finer| finer.cells(&extent)), Some([64, 256, 16]));
     }
 }

@@ -42,7 +42,11 @@ impl Structure {
     /// Cells of the grid of directions where the file does not say. Filaments without twist lie in a few directions, which cost
     /// little and whose lobes are sharp; fibers of twisted yarns are spread by their twist.
     pub fn usual_directions(&self) -> u32 {
-        if self.untwisted() { 16384 } else { 1024 }
+        match self {
+            Structure::Sheet(_) => 1024,
+            Structure::Weave(_) | Structure::Knit(_) if self.untwisted() => 16384,
+            Structure::Weave(_) | Structure::Knit(_) => 4096,
+        }
     }
 }
 

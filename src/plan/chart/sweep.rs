@@ -127,11 +127,11 @@ mod tests {
     #[test]
     fn a_few_that_are_far_apart_come_first_and_all_products_are_there() {
         let voile = names("voile");
-        let head = ["fibers 64w", "carried 2R 1024d", "carried 8R 1024d", "at-hit 2R 1024d", "carried 2R 4096d"];
+        let head = ["fibers 64w", "carried 2R 4096d", "carried 8R 4096d", "at-hit 2R 4096d", "carried 2R 16384d"];
         assert_eq!(voile[..5], head);
-        // 5 ways, 4 edges, 3 numbers of directions, 2 cones, 2 sources of direct light and of first hits; those of 3 placements without
+        // 5 ways, 4 edges, 4 numbers of directions, 2 cones, 2 sources of direct light and of first hits; those of 3 placements without
         // memory; and the fibers.
-        assert_eq!(voile.len(), 480 + 72 + 4);
+        assert_eq!(voile.len(), 640 + 96 + 4);
         assert_eq!(voile.iter().collect::<HashSet<_>>().len(), voile.len());
         assert!(voile.contains(&"tabulated at-hit 8R 256d cone 2 direct by walks first hit in the medium".into()));
         let felt = names("felt");

@@ -35,7 +35,7 @@ pub fn chart_page(chart: &Chart) -> String {
     fill(PAGE, &values)
 }
 
-const READING: &str = "Names: “carried 2R 1024d” is a medium whose flights are placed “carried”, with cells of two fiber radii and 1024 directions; \
+const READING: &str = "Names: “carried 2R 4096d” is a medium whose flights are placed “carried”, with cells of two fiber radii and 4096 directions; \
                        “fibers 256w” sends 256 walks of each direction through one realization of the fibers, then goes to the next. A curve is one way to model the cloth, with more and more walks; noise falls with the root of the walks, and time \
                        grows with them, so all of its marks follow from one measurement. Bold marks are those that no other of their \
                        engine class beats; a model whose error is not well known is judged by its upper bound. Error bars are one \

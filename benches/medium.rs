@@ -1,5 +1,9 @@
-//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate] [short]`, all
-//! presets and both packings without words; `short` leaves all rows out but those of the default and of the finest medium.
+//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate] [short] [anew]`, all
+//! presets and both packings without words; `short` leaves all rows out but those of the default medium at several edges and of the
+//! finest, `anew` all media.
+//!
+//! The row *anew* is walks through the fibers that go on through another realization after each hit: what a medium without memory
+//! would have if its cells and directions were exact.
 //!
 //! For each preset and packing, walks through the fibers themselves are the reference; their row has the shares of light by
 //! direction. A row of the medium has one placement and one edge of the cells: by how many percent R and T (of the first

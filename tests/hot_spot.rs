@@ -27,10 +27,12 @@ fn parallel(absorption: &str) -> Cloth {
     .placed("carried")
 }
 
-/// Reflected and transmitted light of each direction through the fibers, with errors that know of realizations.
-fn through_fibers(cloth: &Cloth) -> Vec<Vec<(f64, f64)>> {
+/// Reflected and transmitted light of each direction through the fibers, or through others after each hit, with errors that know of
+/// realizations.
+fn through_fibers(cloth: &Cloth, anew: bool) -> Vec<Vec<(f64, f64)>> {
     let scene = cloth.scene();
     let explicit = Explicit::new(&scene).expect("they can be laid");
+    let explicit = if anew { explicit.anew() } else { explicit };
     let goniometer = Goniometer::new(&scene.measure);
     let tally = explicit.run(&goniometer, &WalkPlan::new(7, WALKS[0]), &mut |_| {}).expect("it runs");
     let factor = explicit.clustering(&tally).map_or(1.0, |found| found.reflectance.max(found.transmittance).max(1.0));
@@ -54,7 +56,7 @@ fn off(cloth: &Cloth, fibers: &[Vec<(f64, f64)>]) -> f64 {
 fn black_parallel_fibers_send_back_what_the_fibers_themselves_do() {
     // Black fibers send back what their surfaces reflect, most of it after one hit.
     let cloth = parallel("2000");
-    let fibers = through_fibers(&cloth);
+    let fibers = through_fibers(&cloth, false);
     let [remembers, forgets] = [cloth.clone().remembering(), cloth].map(|one| off(&one, &fibers));
     println!("{remembers:.1} σ off, {forgets:.1} without memory");
     assert!(remembers < SIGMAS, "{remembers:.1} σ");
@@ -62,9 +64,19 @@ fn black_parallel_fibers_send_back_what_the_fibers_themselves_do() {
 }
 
 #[test]
+fn walks_through_fibers_drawn_anew_are_those_of_a_medium_that_forgets() {
+    let cloth = parallel("2000");
+    let anew = through_fibers(&cloth, true);
+    let [remembers, forgets] = [cloth.clone().remembering(), cloth].map(|one| off(&one, &anew));
+    println!("{forgets:.1} σ off, {remembers:.1} with memory");
+    assert!(forgets < SIGMAS, "{forgets:.1} σ");
+    assert!(remembers > 1.25 * SIGMAS, "a medium that remembers is not noticed: {remembers:.1} σ");
+}
+
+#[test]
 fn clear_parallel_fibers_do_as_well() {
     let cloth = parallel("0");
-    let fibers = through_fibers(&cloth);
+    let fibers = through_fibers(&cloth, false);
     let remembers = off(&cloth.remembering(), &fibers);
     println!("{remembers:.1} σ off");
     assert!(remembers < SIGMAS, "{remembers:.1} σ");

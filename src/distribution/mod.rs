@@ -20,6 +20,7 @@
 //! - Of fibers that lie independently as many may overlap as cover 0.9 of a cell; more are refused.
 //! - Where flights start at exit points a cell has a factor of its rate: from its volume fraction, or from points thrown at
 //!   the fibers of the realizations, which tell how much of their surface and of the volume is free.
+//! - The mean place of the fibers in a cell is counted too, so that cells can be cut where fibers end.
 //! - Fiber and direction are drawn together from one table, so kinds of fiber may share a direction.
 
 mod calculator;

@@ -10,7 +10,7 @@ use crate::tables::Kind;
 use crate::walk::{Score, WalkPlan, Walker};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Most walks of a start through one realization: so that some thousands of them see more than one cloth.
 const MOST_OF_START: usize = 256;
@@ -22,8 +22,8 @@ const BYTES_PER_WALK: usize = 256;
 /// Realizations that walks go on through by turns, where each hit is followed by another realization.
 const ANEW: u64 = 32;
 
-/// Draws a realization from its number.
-type Draw = Box<dyn Fn(u64) -> Result<Realization> + Send + Sync>;
+/// The fibers of a realization from its number.
+type Draw = Box<dyn Fn(u64) -> Result<Arc<FiberGrid>> + Send + Sync>;
 
 /// The fibers of a cloth, as light meets them.
 pub struct Explicit {
@@ -61,12 +61,28 @@ impl Explicit {
         walks_per_realization: Option<usize>,
         draw: impl Fn(u64) -> Result<Realization> + Send + Sync + 'static,
     ) -> Result<Explicit> {
-        let first = sorted(&draw(0)?)?;
+        let sorted = move |number| {
+            let realization = draw(number)?;
+            FiberGrid::new(&realization.fibers, realization.period).map(Arc::new)
+        };
+        Explicit::found(scene, walks_per_realization, Box::new(sorted))
+    }
+
+    /// The fibers of one realization, for all walks.
+    ///
+    /// # Errors
+    /// None, since the fibers are there.
+    pub fn of_one(scene: &Scene, grid: Arc<FiberGrid>) -> Result<Explicit> {
+        Explicit::found(scene, Some(usize::MAX >> 1), Box::new(move |_| Ok(grid.clone())))
+    }
+
+    fn found(scene: &Scene, walks_per_realization: Option<usize>, draw: Draw) -> Result<Explicit> {
+        let first = draw(0)?;
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
         let by_size = FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK);
         Ok(Explicit {
-            draw: Box::new(draw),
+            draw,
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
@@ -119,13 +135,13 @@ impl Explicit {
         plan: &WalkPlan,
         numbers: &[u64],
     ) -> Result<Vec<Vec<(usize, Score)>>> {
-        let drawn = |number: &u64| -> Result<FiberGrid> { sorted(&(self.draw)(*number)?) };
+        let drawn = |number: &u64| (self.draw)(*number);
         if !self.anew {
-            let one = |number: &u64| Ok(self.walk_in(goniometer, plan, *number, &drawn(number)?, &[]));
+            let one = |number: &u64| drawn(number).map(|grid| self.walk_in(goniometer, plan, *number, &grid, &[]));
             return numbers.par_iter().map(one).collect();
         }
-        let grids: Vec<FiberGrid> = numbers.par_iter().map(drawn).collect::<Result<_>>()?;
-        let one = |(number, grid): (&u64, &FiberGrid)| self.walk_in(goniometer, plan, *number, grid, &grids);
+        let grids: Vec<Arc<FiberGrid>> = numbers.par_iter().map(drawn).collect::<Result<_>>()?;
+        let one = |(number, grid): (&u64, &Arc<FiberGrid>)| self.walk_in(goniometer, plan, *number, grid, &grids);
         Ok(numbers.par_iter().zip(&grids).map(one).collect())
     }
 
@@ -136,7 +152,7 @@ impl Explicit {
         plan: &WalkPlan,
         number: u64,
         grid: &FiberGrid,
-        anew: &[FiberGrid],
+        anew: &[Arc<FiberGrid>],
     ) -> Vec<(usize, Score)> {
         let bodies = Bodies { grid, anew, kinds: &self.kinds, places: &self.places, half_length: self.half_length };
         let each = self.walks_of_start(goniometer.starts());
@@ -151,10 +167,6 @@ impl Explicit {
             .map(|(start, i)| score(start, i))
             .collect()
     }
-}
-
-fn sorted(realization: &Realization) -> Result<FiberGrid> {
-    FiberGrid::new(&realization.fibers, realization.period)
 }
 
 impl Walker for Explicit {

@@ -69,7 +69,7 @@ impl StraightRays {
         if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
             return Ok(());
         }
-        let rays = self.through(number, realization, self.of_start())?;
+        let rays = self.through(number, &sorted(realization)?, self.of_start());
         self.untouched().insert(number, self.shares(&rays));
         self.seen().insert(number, rays);
         Ok(())
@@ -92,7 +92,7 @@ impl StraightRays {
             for start in (first..wanted).step_by(side_by_side as usize) {
                 let numbers = start..(start + side_by_side).min(wanted);
                 let of_one = |number| {
-                    let rays = self.through(number, &realizer.draw(number)?, self.of_start())?;
+                    let rays = self.through(number, &sorted(&realizer.draw(number)?)?, self.of_start());
                     Ok((number, self.shares(&rays)))
                 };
                 let found: Vec<(u64, Vec<f64>)> = numbers.into_par_iter().map(of_one).collect::<Result<_>>()?;
@@ -115,8 +115,7 @@ impl StraightRays {
 
     /// The rays of all starts through a realization: of each an even sequence of places on the lit face and directions inside
     /// the incident cell, begun anywhere.
-    fn through(&self, number: u64, realization: &Realization, of_start: usize) -> Result<Vec<FirstHit>> {
-        let grid = FiberGrid::new(&realization.fibers, realization.period)?;
+    fn through(&self, number: u64, grid: &FiberGrid, of_start: usize) -> Vec<FirstHit> {
         let [low, high] = grid.span();
         let mut work = Work::default();
         let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
@@ -143,15 +142,12 @@ impl StraightRays {
                 rays.push(FirstHit { m: narrow(m), fiber });
             }
         }
-        Ok(rays)
+        rays
     }
 
     /// So many rays of each start through one realization.
-    ///
-    /// # Errors
-    /// Those of [`FiberGrid::new`].
-    pub fn of_one(&self, number: u64, realization: &Realization, of_start: usize) -> Result<FirstHits> {
-        Ok(FirstHits { of_start, rays: self.through(number, realization, of_start)? })
+    pub fn of_one(&self, number: u64, grid: &FiberGrid, of_start: usize) -> FirstHits {
+        FirstHits { of_start, rays: self.through(number, grid, of_start) }
     }
 
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
@@ -245,13 +241,20 @@ impl FirstHitBanks for Banks {
         if let Some((_, bank)) = last.as_ref().filter(|(known, _)| *known == number) {
             return Ok(bank.clone());
         }
-        let through = |realization| self.rays.through(realization, &realizer.draw(realization)?, self.rays.of_start());
+        let through = |realization| {
+            let grid = sorted(&realizer.draw(realization)?)?;
+            Ok(self.rays.through(realization, &grid, self.rays.of_start()))
+        };
         let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
         let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
         let bank = Arc::new(self.rays.interleaved(&drawn));
         *last = Some((number, bank.clone()));
         Ok(bank)
     }
+}
+
+fn sorted(realization: &Realization) -> Result<FiberGrid> {
+    FiberGrid::new(&realization.fibers, realization.period)
 }
 
 fn narrow(vector: DVec3) -> [f32; 3] {

@@ -5,6 +5,7 @@ use crate::goniometer::{Goniometer, Outcome};
 use crate::optics::Encounter;
 use crate::tables::Kind;
 use crate::walk::{EventDraws, Purpose, ROULETTE_EVERY, WalkPlan, Walked, draw, start_draws, start_place, uniform};
+use std::sync::Arc;
 
 /// What light meets.
 #[derive(Clone, Copy)]
@@ -12,7 +13,7 @@ pub struct Bodies<'a> {
     /// The fibers of a realization.
     pub grid: &'a FiberGrid,
     /// Where the light goes on after each hit: through one of these realizations, drawn anew; without any, through the same.
-    pub anew: &'a [FiberGrid],
+    pub anew: &'a [Arc<FiberGrid>],
     /// Kinds of fiber.
     pub kinds: &'a [Kind],
     /// Of each kind of the scene, its place in `kinds`.

@@ -38,7 +38,7 @@ impl Tuning {
                 budget: 256,
                 warm_up_lanes: 1 << 13,
                 fewest_lanes: 1 << 13,
-                most_lanes: 1 << 19,
+                most_lanes: 1 << 18,
                 most_budget: 1024,
                 target: 0.04,
             },
@@ -96,7 +96,17 @@ pub fn flush_every(depth: f64) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layout::Lane;
     use super::*;
+
+    #[test]
+    fn lanes_fit_into_a_buffer_of_the_default_limits() {
+        let most = wgpu::Limits::default().max_storage_buffer_binding_size;
+        for kind in [Kind::Hardware, Kind::Software] {
+            let bytes = Tuning::start(kind).most_lanes as usize * size_of::<Lane>();
+            assert!(bytes as u64 <= u64::from(most), "{kind:?}: {bytes} bytes of lanes, allowed: {most}");
+        }
+    }
 
     #[test]
     fn a_dispatch_stays_within_its_time() {

@@ -124,7 +124,8 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
-    check_memory(memory(&tables, &goniometer), tables.channels(), &goniometer)?;
+    let of_rays = if wanted { StraightRays::bytes(goniometer.starts()) } else { 0 };
+    check_memory(memory(&tables, &goniometer) + of_rays, tables.channels(), &goniometer)?;
     let (mut straight, mut first_hits) = (None, None);
     if wanted {
         let realizer = match &cloth {

@@ -2,13 +2,13 @@
 
 use super::trial::BLOCKS;
 use crate::bsdf::{Distance, block_noise, distance};
-use crate::cloth::{Realization, Realizer};
+use crate::cloth::{FiberGrid, Realizer};
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
 use crate::scene::{FirstHit, Incident, Scene};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHits, WalkPlan, Walker};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub struct Pilot {
     scene: Scene,
     goniometer: Goniometer,
     /// Those of the blocks, where a medium's walks first meet them.
-    realizations: Vec<Realization>,
+    realizations: Vec<Arc<FiberGrid>>,
     fibers: Vec<Tally>,
     /// Pieces that a walk through the fibers is tested against.
     pub tests_a_walk: f64,
@@ -61,22 +61,27 @@ impl Pilot {
         let goniometer = Goniometer::new(&scene.measure);
         let realizer = Realizer::new(&scene, scene.model.packing)?;
         // What a walk costs, a few through the first realization tell.
-        let first = realizer.draw(OF_PILOTS)?;
-        let pieces = first.pieces().len();
-        let few = walk_fibers(&scene, &goniometer, first, WalkPlan::new(!seed, FIRST))?;
+        let drawn = |number: u64| {
+            let realization = realizer.draw(OF_PILOTS + number)?;
+            FiberGrid::new(&realization.fibers, realization.period).map(Arc::new)
+        };
+        let first = drawn(0)?;
+        let pieces = first.tubes().len();
+        let few =
+            Explicit::of_one(&scene, first.clone())?.run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
         let tests_a_walk = few.counts.tentative_events as f64 / few.counts.launched as f64;
         let of_block = (walks(tests_a_walk) / (BLOCKS as f64 * goniometer.starts() as f64)) as u64;
         let of_block = of_block.clamp(FIRST, MOST);
         let kept = scene.model.first_hit == FirstHit::Fibers;
         let block = |number: u64| {
-            let realization = realizer.draw(OF_PILOTS + number)?;
-            let own = kept.then(|| realization.clone());
+            let grid = if number == 0 { first.clone() } else { drawn(number)? };
             let plan = WalkPlan { first: number * OF_BLOCK + FIRST, ..WalkPlan::new(!seed, of_block) };
-            Ok((walk_fibers(&scene, &goniometer, realization, plan)?, own))
+            let tally = Explicit::of_one(&scene, grid.clone())?.run(&goniometer, &plan, &mut |_| {})?;
+            Ok((tally, kept.then_some(grid)))
         };
-        let blocks: Vec<(Tally, Option<Realization>)> =
+        let blocks: Vec<(Tally, Option<Arc<FiberGrid>>)> =
             (0..BLOCKS).into_par_iter().map(block).collect::<Result<_>>()?;
-        let (fibers, own): (Vec<Tally>, Vec<Option<Realization>>) = blocks.into_iter().unzip();
+        let (fibers, own): (Vec<Tally>, Vec<Option<Arc<FiberGrid>>>) = blocks.into_iter().unzip();
         let noise_of_one = block_noise(&fibers)?.value * ((of_block * BLOCKS) as f64).sqrt();
         let realizations = own.into_iter().flatten().collect();
         Ok(Pilot { scene, goniometer, realizations, fibers, tests_a_walk, pieces, noise_of_one })
@@ -94,10 +99,12 @@ impl Pilot {
     pub fn try_medium(&self, tables: &SamplingTables, engine: &dyn Engine, seed: u64) -> Result<(Distance, f64)> {
         let rays = StraightRays::new(&self.scene, &self.goniometer);
         let walks = self.fibers[0].walks_per_incident();
+        let of_one = |(number, grid): (usize, &Arc<FiberGrid>)| rays.of_one(number as u64, grid, walks as usize);
+        let first_hits: Vec<Arc<FirstHits>> =
+            self.realizations.par_iter().enumerate().map(of_one).map(Arc::new).collect();
         let mut blocks = Vec::new();
         for number in 0..BLOCKS {
-            let of_one = |realization| rays.of_one(number, realization, walks as usize).map(Arc::new);
-            let first_hits = self.realizations.get(number as usize).map(of_one).transpose()?;
+            let first_hits = first_hits.get(number as usize).cloned();
             let plan = WalkPlan { first: number * OF_BLOCK, first_hits, ..WalkPlan::new(seed, walks) };
             blocks.push(engine.run(tables, &self.goniometer, &plan, &mut |_| {})?);
         }
@@ -105,10 +112,4 @@ impl Pilot {
         let events = blocks.iter().map(|block| block.counts.tentative_events).sum::<u64>() as f64;
         Ok((distance(&blocks, &self.fibers)?, events / made))
     }
-}
-
-/// Walk through the fibers of one realization.
-fn walk_fibers(scene: &Scene, goniometer: &Goniometer, drawn: Realization, plan: WalkPlan) -> Result<Tally> {
-    let explicit = Explicit::drawn(scene, Some(usize::MAX >> 1), move |_| Ok(drawn.clone()))?;
-    explicit.run(goniometer, &plan, &mut |_| {})
 }

@@ -16,14 +16,14 @@ use std::time::Instant;
 /// Edges of cells, in radii of the thinnest fiber, that are chosen from; the usual one is among them.
 const EDGES: [f64; 3] = [8.0, 4.0, 1.4];
 /// Seconds of pilots of short runs, and their share of long ones: below the second and the tenth that are promised.
-const PILOTS: f64 = 0.7;
+const PILOTS: f64 = 0.5;
 const SHARE: f64 = 0.07;
 /// Part of that time for walks through the fibers; the rest is for the medium.
 const OF_FIBERS: f64 = 0.6;
 /// A smaller model may cost so many times as much in walks as the cheapest.
 const WORTH: f64 = 1.15;
 /// Standard errors of the expected error of a model that are taken off the tolerance beside it.
-const ROOM: f64 = 0.5;
+const ROOM: f64 = 0.75;
 /// Tentative events of a walk through a medium, for each piece that one through the fibers is tested against, before any is
 /// tried.
 const EVENTS_A_TEST: f64 = 0.13;

@@ -45,15 +45,16 @@ impl Belief {
         let absorbing = !scene.channels.lossless() && scene.kinds().len() > 1;
         let cells = match (absorbing, scene.structure.untwisted()) {
             // Filaments without twist: charmeuse, lining.
-            (false, true) => [0.020, 0.004],
+            (false, true) => [0.020, 0.003],
             // Where dark and light yarns meet: denim, dimout. Spun yarns: gabardine, jersey, linen, muslin, rib, sheer, voile.
-            (true, _) | (_, false) => [0.009, 0.003],
+            (true, _) | (_, false) => [0.009, 0.002],
         };
         let floor = match (absorbing, scene.model.packing, scene.model.memory) {
             (_, Packing::Separate, _) => [0.035, 0.015],
             (_, Packing::Random, Memory::None) => [0.030, 0.008],
-            (true, ..) => [0.022, 0.004],
-            (false, ..) => [0.015, 0.003],
+            (true, ..) => [0.022, 0.003],
+            (false, ..) if scene.structure.untwisted() => [0.016, 0.002],
+            (false, ..) => [0.013, 0.0015],
         };
         Belief::new(floor, cells)
     }

@@ -7,7 +7,8 @@
 //!
 //! Differs from the paper: null-collision tracking beside the paper's own (see [`tables`](crate::tables)), and the closed
 //! form of the cylinder (see [`optics`](crate::optics)). The next flight starts at the hit point, as in the paper, or by
-//! choice where the light leaves the fiber.
+//! choice where the light leaves the fiber. By choice a walk remembers its last flight, where no fiber is, and the fiber that it set out
+//! from (see `memory`).
 
 mod carried;
 mod cells;

@@ -8,7 +8,8 @@
 //! Differs from the paper: H(m) is tabulated for the tracking that asks for it only. Otherwise tentative events come at
 //! the rate 2·Σ R F, a fiber is drawn with weight R f, and the event is a collision with probability |m × p|; that gives H
 //! and h/H jointly and exactly. In a cloth of many cells the densest sets the rate, and a cell takes its share of it. Where
-//! flights start at exit points, the share is that of the cell of the fiber's axis.
+//! flights start at exit points, the share is that of the cell of the fiber's axis, and belongs to the part of it where its fibers
+//! are: a plane cuts cells at the rims of yarns.
 
 mod alias;
 mod blocks;

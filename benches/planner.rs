@@ -92,7 +92,7 @@ fn study(name: &str, listed: bool) -> Result<()> {
     }
     for tolerance in TOLERANCES {
         let engine = (common::gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);
-        let (plan, _) = plan(&scene, &extent, tolerance, engine, 1, true)?;
+        let (plan, _) = plan(&scene, &extent, tolerance, engine, 1, true, false)?;
         let Some(chosen) = list.iter().find(|one| one.configuration.name() == plan.chosen) else { continue };
         let estimate = chosen.distance.estimate();
         let both = |square: f64| (plan.noise.powi(2) + square.max(0.0)).sqrt();

@@ -33,7 +33,7 @@ impl Case {
 
     fn plan(&self, tolerance: f64) -> Plan {
         let engine = (gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);
-        plan(&self.scene, &self.extent, tolerance, engine, 1, true).expect("there is a plan").0
+        plan(&self.scene, &self.extent, tolerance, engine, 1, true, false).expect("there is a plan").0
     }
 
     fn blocks(&self, configuration: Configuration, seed: u64) -> Vec<Tally> {
@@ -92,7 +92,7 @@ fn plans_are_made_alike_however_long_they_take() {
 fn without_the_fibers_to_choose_a_medium_is_taken_and_it_is_said_that_none_does() {
     let case = Case::new("sheer", WALKS);
     let engine = (gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);
-    let plan = plan(&case.scene, &case.extent, 0.002, engine, 1, false).expect("there is a plan").0;
+    let plan = plan(&case.scene, &case.extent, 0.002, engine, 1, false, false).expect("there is a plan").0;
     assert_eq!(plan.configuration().model.medium, Medium::Implicit);
     assert!(plan.reason.starts_with("no medium is expected to meet the tolerance"), "{}", plan.reason);
 }

@@ -64,7 +64,7 @@ fn planned(scene: &Scene, tolerance: f64) -> Result<String> {
     }
     let engine = choose(EngineChoice::Auto, None)?;
     let extent = Extent::of(scene)?;
-    let (plan, _) = plan(scene, &extent, tolerance, (&engine, EngineClass::of(&engine)), 1, true)?;
+    let (plan, _) = plan(scene, &extent, tolerance, (&engine, EngineClass::of(&engine)), 1, true, false)?;
     Ok(format!(
         "plan             for a tolerance of {:.3} %: {}; {}\n",
         100.0 * tolerance,

@@ -18,6 +18,9 @@ const SHOWN: u64 = 32;
 /// Direct light is the mean of so many realizations that its standard error is this share of the incident light, or of `MOST`.
 const PRECISION: f64 = 1e-3;
 const MOST: u64 = 160;
+/// Further realizations have no more pieces than this together, and this part of the rays.
+const MOST_PIECES: u64 = 1 << 20;
+const FEWER: usize = 4;
 /// Rays through each, all starts together.
 const RAYS: usize = 1 << 14;
 /// Fewest rays of a start through each.
@@ -70,7 +73,7 @@ impl StraightRays {
             return Ok(());
         }
         let rays = self.through(number, &sorted(realization)?, self.of_start());
-        self.untouched().insert(number, self.shares(&rays));
+        self.untouched().insert(number, shares(&rays, self.of_start()));
         self.seen().insert(number, rays);
         Ok(())
     }
@@ -84,28 +87,23 @@ impl StraightRays {
         loop {
             let first = self.untouched().len() as u64;
             let worst = self.light().into_iter().flatten().map(|light| light.stderr).fold(0.0, f64::max);
-            if worst <= PRECISION || first >= MOST {
+            let most = MOST.min(SHOWN + MOST_PIECES / realizer.draw(0)?.pieces().len().max(1) as u64);
+            if worst <= PRECISION || first >= most {
                 return Ok(());
             }
             // The error falls with the root of the realizations.
-            let wanted = (first as f64 * (worst / PRECISION).powi(2)).ceil().min(MOST as f64) as u64;
+            let wanted = (first as f64 * (worst / PRECISION).powi(2)).ceil().min(most as f64) as u64;
             for start in (first..wanted).step_by(side_by_side as usize) {
                 let numbers = start..(start + side_by_side).min(wanted);
                 let of_one = |number| {
-                    let rays = self.through(number, &sorted(&realizer.draw(number)?)?, self.of_start());
-                    Ok((number, self.shares(&rays)))
+                    let of_start = (self.of_start() / FEWER).max(FEWEST);
+                    let rays = self.through(number, &sorted(&realizer.draw(number)?)?, of_start);
+                    Ok((number, shares(&rays, of_start)))
                 };
                 let found: Vec<(u64, Vec<f64>)> = numbers.into_par_iter().map(of_one).collect::<Result<_>>()?;
                 self.untouched().extend(found);
             }
         }
-    }
-
-    /// Shares of the rays of each start through one realization that touch nothing.
-    fn shares(&self, rays: &[FirstHit]) -> Vec<f64> {
-        let of_start =
-            |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
-        rays.chunks(self.of_start()).map(of_start).collect()
     }
 
     /// Rays of a start through one realization.
@@ -251,6 +249,12 @@ impl FirstHitBanks for Banks {
         *last = Some((number, bank.clone()));
         Ok(bank)
     }
+}
+
+/// Shares of the rays of each start through one realization that touch nothing.
+fn shares(rays: &[FirstHit], of_start: usize) -> Vec<f64> {
+    let share = |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
+    rays.chunks(of_start).map(share).collect()
 }
 
 fn sorted(realization: &Realization) -> Result<FiberGrid> {

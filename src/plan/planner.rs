@@ -8,7 +8,7 @@ use crate::bsdf::Estimate;
 use crate::error::Result;
 use crate::goniometer::Goniometer;
 use crate::measure::{Prepared, prepare};
-use crate::scene::{Medium, Packing, Placement, Scene, Structure};
+use crate::scene::{Direct, FirstHit, Medium, Packing, Placement, Scene, Structure};
 use crate::walk::Engine;
 use serde::Serialize;
 use std::time::Instant;
@@ -126,7 +126,8 @@ pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
 /// Choose from [`candidates`]: the one whose walks are expected to meet the tolerance soonest, or a smaller one that takes
 /// hardly longer. A pilot of the fibers tells what their walks cost; one of the medium that is likeliest to be chosen tells its
 /// error, and its tables are given back if it is chosen after all. What pilots would cost too much is taken from what is known
-/// of other cloths. Without `fibers` only media are chosen from. Costs are events by the time that one took once, so the plan does not depend on the clock.
+/// of other cloths. Without `fibers` only media are chosen from; unless its tables are to be `kept`, a medium is
+/// prepared as far as a pilot needs it, and not given back. Costs are events by the time that one took once, so the plan does not depend on the clock.
 ///
 /// # Errors
 /// Those of [`Pilot::new`] and of its walks, and of [`prepare`].
@@ -137,6 +138,7 @@ pub fn plan(
     (engine, class): (&dyn Engine, EngineClass),
     seed: u64,
     fibers: bool,
+    kept: bool,
 ) -> Result<(Plan, Option<Prepared>)> {
     let (belief, cost) = (Belief::of(scene), Cost::of(scene, class));
     let planner = Planner {
@@ -145,6 +147,7 @@ pub fn plan(
         extent,
         tolerance,
         fibers,
+        kept,
         belief,
         at_hit: None,
         cost,
@@ -160,8 +163,9 @@ struct Planner<'a> {
     goniometer: Goniometer,
     extent: &'a Extent,
     tolerance: f64,
-    /// Whether the fibers themselves may be chosen.
+    /// Whether the fibers themselves may be chosen, and whether tables are given back.
     fibers: bool,
+    kept: bool,
     /// Of the default placement.
     belief: Belief,
     /// Of at-hit in a sheet.
@@ -188,7 +192,10 @@ impl Planner<'_> {
         let (mut tried, mut prepared) = (Vec::new(), None);
         for configuration in self.worth_trying(&likely, &pilot, (1.0 - OF_FIBERS) * allowed) {
             // Counting the fibers is a part of the run, unless another model is chosen in the end.
-            let medium = prepare(&configuration.apply(self.scene, self.extent))?;
+            // Rays to direct light and first hits are no part of a pilot, which has its own.
+            let bare = configuration.lit(Direct::Walks).hit_first(FirstHit::Medium);
+            let wanted = if self.kept { configuration } else { bare };
+            let medium = prepare(&wanted.apply(self.scene, self.extent))?;
             let started = Instant::now();
             let (found, events) = pilot.try_medium(&medium.tables, engine, seed)?;
             pilot_seconds += started.elapsed().as_secs_f64();
@@ -200,7 +207,8 @@ impl Planner<'_> {
         let chosen = self.choose(&pilot, &tried);
         let candidates: Vec<Candidate> = self.list().iter().map(|one| self.judge(one, &pilot, &tried)).collect();
         let reason = reason(&chosen, &candidates);
-        let prepared = prepared.filter(|(tried, _)| *tried == chosen.configuration).map(|(_, medium)| medium);
+        let prepared =
+            prepared.filter(|(tried, _)| self.kept && *tried == chosen.configuration).map(|(_, medium)| medium);
         let plan = Plan {
             tolerance: self.tolerance,
             chosen: chosen.name,

@@ -39,7 +39,7 @@ impl Arguments {
         // The fibers themselves are for the processor alone.
         let fibers = !matches!(self.engine, Choice::Gpu) && self.adapter.is_none();
         let class = EngineClass::of(&engine);
-        let (plan, prepared) = plan(scene, &extent, tolerance, (&engine, class), self.seed, fibers)?;
+        let (plan, prepared) = plan(scene, &extent, tolerance, (&engine, class), self.seed, fibers, true)?;
         *scene = plan.apply(scene, &extent);
         if !self.quiet {
             plan.lines().iter().for_each(|line| eprintln!("{}", one_line(line)));

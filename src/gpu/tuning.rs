@@ -104,7 +104,7 @@ mod tests {
         let most = wgpu::Limits::default().max_storage_buffer_binding_size;
         for kind in [Kind::Hardware, Kind::Software] {
             let bytes = Tuning::start(kind).most_lanes as usize * size_of::<Lane>();
-            assert!(bytes as u64 <= u64::from(most), "{kind:?}: {bytes} bytes of lanes, allowed: {most}");
+            assert!(bytes as u64 <= most, "{kind:?}: {bytes} bytes of lanes, allowed: {most}");
         }
     }
 

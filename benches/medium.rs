@@ -27,8 +27,10 @@ use std::time::Instant;
 const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 /// Exit cells along an edge of the disc.
 const EXIT: &str = "8";
-/// Walks of each direction and block, through the fibers and through the medium.
+/// Walks of each direction and block, through the fibers and through the default medium.
 const WALKS: u64 = 32_768;
+/// The same through the media by placement, whose E is large.
+const FEW: u64 = 8_192;
 /// Walks of each direction through one realization; more where a realization of separate fibers takes long.
 const EACH: [u64; 2] = [256, 4096];
 /// Edges of cells in radii of the thinnest fiber.
@@ -43,8 +45,10 @@ fn main() -> Result<()> {
     let named = |name: &str| words.iter().any(|word| word == name);
     let any = PRESETS.iter().any(|(name, _)| named(name));
     println!(
-        "Light from {DIRECTIONS}; {} walks of each direction in {BLOCKS} blocks; exit cells {EXIT} × {EXIT} on each side.\n",
-        BLOCKS * WALKS
+        "Light from {DIRECTIONS}; {} walks of each direction in {BLOCKS} blocks, {} through media with first hits of \
+         their own; exit cells {EXIT} × {EXIT} on each side.\n",
+        BLOCKS * WALKS,
+        BLOCKS * FEW
     );
     println!("| preset | fibers | model | R | T | direct | E % | KiB | prepare s |");
     println!("|---|---|---|---|---|---|---|---|---|");
@@ -71,10 +75,10 @@ fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool)
     let fibers = Configuration::fibers(&scene, EACH[usize::from(packing == Packing::Separate)]);
     let trial = Trial::prepare(&scene, &extent, fibers)?;
     let started = Instant::now();
-    let reference = tallies(&trial, 1)?;
+    let reference = tallies(&trial, WALKS)?;
     let seconds = started.elapsed().as_secs_f64();
     println!("{}", fiber_row(&label, &reference, &trial, seconds)?);
-    match row(&scene, &extent, fibers.forgetful(), &reference) {
+    match row(&scene, &extent, fibers.anew(), &reference) {
         Ok(line) => println!("{label} | fibers, anew after each hit {line}"),
         Err(error) => println!("{label} | fibers, anew after each hit | {error} ||||||"),
     }
@@ -104,9 +108,9 @@ fn configurations(usual: Configuration, sheet: bool) -> Vec<Configuration> {
     media.chain(EDGES[..2].iter().map(|edge| usual.edged(*edge))).chain([usual, finest]).collect()
 }
 
-fn tallies(trial: &Trial, seed: u64) -> Result<Vec<Tally>> {
-    let seed = trial.configuration().seed(seed);
-    let blocks = trial.blocks(common::gpu(), seed, 0, WALKS)?;
+fn tallies(trial: &Trial, walks: u64) -> Result<Vec<Tally>> {
+    let seed = trial.configuration().seed(1);
+    let blocks = trial.blocks(common::gpu(), seed, 0, walks)?;
     Ok(blocks.into_iter().map(|block| block.tally).collect())
 }
 
@@ -145,7 +149,8 @@ fn fiber_row(label: &str, reference: &[Tally], trial: &Trial, seconds: f64) -> R
 /// One medium.
 fn row(scene: &Scene, extent: &Extent, configuration: Configuration, reference: &[Tally]) -> Result<String> {
     let trial = Trial::prepare(scene, extent, configuration)?;
-    let blocks = tallies(&trial, 1)?;
+    let few = trial.medium().is_some_and(|medium| medium.first_hits.is_none() && medium.cloth.is_some());
+    let blocks = tallies(&trial, if few { FEW } else { WALKS })?;
     let worst = |share: fn(&Totals) -> f64, relative: bool| {
         let (here, there) = (means(&blocks, share), means(reference, share));
         let off = here.iter().zip(&there).map(|(a, b)| {

@@ -138,10 +138,15 @@ fn a_cell_that_is_one_percent_denser_is_noticed() {
     let cells = random_cells(1);
     let mut bent = cells.clone();
     bent.cells.iter_mut().filter(|cell| cell.0 > 0.0).step_by(10).for_each(|cell| cell.0 *= 1.01);
-    let Comparison { walks, differing, .. } = compare(cells.prepare(), bent.prepare(), 20_000);
+    assert_noticed(cells.prepare(), bent.prepare(), 1e-3);
+}
+
+/// More than this share of the walks differs far from a decision.
+fn assert_noticed(cells: Setup, bent: Setup, share: f64) {
+    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
     let far = differing.iter().filter(|tie| **tie > NEAR).count();
     println!("{far} of {walks} walks differ far from a decision");
-    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+    assert!(far as f64 > share * walks as f64, "only {far} of {walks} differ");
 }
 
 /// Cells at random with one placement, and factors between 1 and 2 at random.
@@ -199,10 +204,7 @@ fn a_walk_that_forgets_is_noticed() {
     let cells = remembering(placed(1, "carried")).prepare();
     let mut bent = cells.clone();
     bent.0.carry.as_mut().expect("it is carried").memory = false;
-    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
-    let far = differing.iter().filter(|tie| **tie > NEAR).count();
-    println!("{far} of {walks} walks differ far from a decision");
-    assert!(far as f64 > 1e-2 * walks as f64, "only {far} of {walks} differ");
+    assert_noticed(cells, bent, 1e-2);
 }
 
 #[test]
@@ -212,10 +214,7 @@ fn a_cut_that_is_moved_by_a_sixteenth_of_a_cell_is_noticed() {
     let entries = &mut bent.0.cells.as_mut().expect("it has cells").entries;
     // The largest component of a normal is 31, an offset comes in 64ths.
     entries.iter_mut().filter(|cell| cell.cut != Cut::NONE).for_each(|cell| cell.cut.offset += 31 * 64 / 16);
-    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
-    let far = differing.iter().filter(|tie| **tie > NEAR).count();
-    println!("{far} of {walks} walks differ far from a decision");
-    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+    assert_noticed(cells, bent, 1e-3);
 }
 
 #[test]
@@ -223,10 +222,7 @@ fn a_fiber_that_is_one_percent_thicker_is_noticed() {
     let cells = placed(1, "carried").prepare();
     let mut bent = cells.clone();
     bent.0.kinds[0].radius *= 1.01;
-    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
-    let far = differing.iter().filter(|tie| **tie > NEAR).count();
-    println!("{far} of {walks} walks differ far from a decision");
-    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+    assert_noticed(cells, bent, 1e-3);
 }
 
 /// The same cells, tracked by tables.
@@ -261,8 +257,5 @@ fn a_table_that_is_one_thousandth_too_high_is_noticed() {
     let mut bent = cells.clone();
     let visible = bent.0.visible.as_mut().expect("the cells are tracked by tables");
     visible.nodes.iter_mut().for_each(|node| *node *= 1.001);
-    let Comparison { walks, differing, .. } = compare(cells, bent, 20_000);
-    let far = differing.iter().filter(|tie| **tie > NEAR).count();
-    println!("{far} of {walks} walks differ far from a decision");
-    assert!(far as f64 > 1e-3 * walks as f64, "only {far} of {walks} differ");
+    assert_noticed(cells, bent, 1e-3);
 }

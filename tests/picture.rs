@@ -219,10 +219,16 @@ fn extreme_weaves_have_a_picture() {
     }
 }
 
+/// A place with the cloth in a file that says how it is modelled: then there is nothing to plan.
+fn place_with_cloth() -> Place {
+    let place = Place::new();
+    place.write("cloth.toml", woven(&DRAFT).text() + "[model]\ncells = [24, 20, 12]\n");
+    place
+}
+
 #[test]
 fn inspect_writes_a_picture_that_can_be_read() {
-    let place = Place::new();
-    place.write("cloth.toml", woven(&DRAFT).text());
+    let place = place_with_cloth();
     let outcome = place.run(&["inspect", "cloth.toml", "--width", "700"]);
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     for line in ["repeat           4 ends × 3 picks, 1.5385 × 1.3636 mm\n", "yarns overlap    0 µm at most\n"] {
@@ -249,8 +255,7 @@ fn inspect_writes_a_picture_that_can_be_read() {
 
 #[test]
 fn a_picture_that_cannot_be_written_is_refused_in_one_sentence() {
-    let place = Place::new();
-    place.write("cloth.toml", woven(&DRAFT).text());
+    let place = place_with_cloth();
     place.write("taken", "a file");
     std::fs::create_dir_all(place.path("held/weave.png")).expect("a folder can be made");
     let before = place.contents();

@@ -8,6 +8,7 @@ use fiberwalk::cloth::{FiberGrid, Realizer};
 use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
 use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
+use fiberwalk::results::ResultFolder;
 use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
@@ -45,10 +46,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = "a sheet has no yarns to draw: leave out -o and --width";
         return Err(Error::Input(message.into()));
     }
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
+    if let Some(name) = woven::picture_name(&scene.structure) {
+        ResultFolder::check(&folder, name)?;
+    }
     let prepared = prepare(&scene)?;
     let plan = planned(&scene, arguments.tolerance.unwrap_or(0.05))?;
     if let Some(cloth) = &prepared.cloth {
-        let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&source.stem));
         return woven::run(&scene, cloth, &prepared, &plan, &folder, arguments.width.unwrap_or(1600));
     }
     let sheet = scene.sheet()?;
@@ -172,7 +176,7 @@ fn beside_fibers(scene: &Scene, prepared: &Prepared) -> Result<String> {
         None => Realizer::new(scene, Packing::Random)?,
     };
     let drawn = realizer.draw(0)?;
-    let [pieces, grid] = FiberGrid::new(&drawn.fibers, drawn.period)?.bytes();
+    let [pieces, grid] = FiberGrid::of(&drawn)?.bytes();
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     Ok(format!(
         "{:.1} MiB; of the explicit model {:.1} MiB a realization, {:.1} of pieces and {:.1} of the grid that finds them",

@@ -1,6 +1,7 @@
 //! The fibers of one realization by place, for rays and points among them.
 
 use super::curves::Curve;
+use super::realization::Realization;
 use super::tube::{Meeting, Tube};
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3, IVec3};
@@ -72,6 +73,14 @@ impl FiberGrid {
             let edge = (EDGE * thinnest).max((volume / MOST_CELLS).cbrt());
             (size / edge).ceil().as_ivec3()
         })
+    }
+
+    /// [`FiberGrid::new`] of a realization.
+    ///
+    /// # Errors
+    /// Those of [`FiberGrid::new`].
+    pub fn of(realization: &Realization) -> Result<FiberGrid> {
+        FiberGrid::new(&realization.fibers, realization.period)
     }
 
     /// Sort them into so many cells along x, y and z; into one cell for a search of all fibers.

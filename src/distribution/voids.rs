@@ -45,7 +45,7 @@ impl VoidCount {
             return Ok(count);
         }
         let mut random = Random(number);
-        let grid = FiberGrid::new(&realization.fibers, realization.period)?;
+        let grid = FiberGrid::of(realization)?;
         let edges = cells.edges();
         let area = (edges.x * edges.y).min(edges.y * edges.z).min(edges.z * edges.x);
         for tube in grid.tubes() {

@@ -61,27 +61,22 @@ impl Explicit {
         walks_per_realization: Option<usize>,
         draw: impl Fn(u64) -> Result<Realization> + Send + Sync + 'static,
     ) -> Result<Explicit> {
-        let sorted = move |number| {
-            let realization = draw(number)?;
-            FiberGrid::new(&realization.fibers, realization.period).map(Arc::new)
-        };
-        Explicit::found(scene, walks_per_realization, Box::new(sorted))
+        let sorted = move |number| FiberGrid::of(&draw(number)?).map(Arc::new);
+        let first = sorted(0)?;
+        Ok(Explicit::found(scene, walks_per_realization, &first, Box::new(sorted)))
     }
 
     /// The fibers of one realization, for all walks.
-    ///
-    /// # Errors
-    /// None, since the fibers are there.
-    pub fn of_one(scene: &Scene, grid: Arc<FiberGrid>) -> Result<Explicit> {
-        Explicit::found(scene, Some(usize::MAX >> 1), Box::new(move |_| Ok(grid.clone())))
+    pub fn of_one(scene: &Scene, grid: Arc<FiberGrid>) -> Explicit {
+        let first = grid.clone();
+        Explicit::found(scene, Some(usize::MAX >> 1), &first, Box::new(move |_| Ok(grid.clone())))
     }
 
-    fn found(scene: &Scene, walks_per_realization: Option<usize>, draw: Draw) -> Result<Explicit> {
-        let first = draw(0)?;
+    fn found(scene: &Scene, walks_per_realization: Option<usize>, first: &FiberGrid, draw: Draw) -> Explicit {
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
         let by_size = FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK);
-        Ok(Explicit {
+        Explicit {
             draw,
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
@@ -92,7 +87,7 @@ impl Explicit {
             bytes: first.bytes(),
             pieces: first.tubes().len(),
             fates: Mutex::new(BTreeMap::new()),
-        })
+        }
     }
 
     /// The same, but the light forgets the fibers after each hit: it goes on from there through another realization. So it meets

@@ -72,7 +72,7 @@ impl StraightRays {
         if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
             return Ok(());
         }
-        let rays = self.through(number, &sorted(realization)?, self.of_start());
+        let rays = self.through(number, &FiberGrid::of(realization)?, self.of_start());
         self.untouched().insert(number, shares(&rays, self.of_start()));
         self.seen().insert(number, rays);
         Ok(())
@@ -84,10 +84,14 @@ impl StraightRays {
     /// Those of drawing the fibers.
     pub fn go_on(&self, realizer: &Realizer) -> Result<()> {
         let side_by_side = rayon::current_num_threads() as u64;
+        let worst = || self.light().into_iter().flatten().map(|light| light.stderr).fold(0.0, f64::max);
+        if worst() <= PRECISION {
+            return Ok(());
+        }
+        let most = MOST.min(SHOWN + MOST_PIECES / realizer.draw(0)?.pieces().len().max(1) as u64);
         loop {
+            let worst = worst();
             let first = self.untouched().len() as u64;
-            let worst = self.light().into_iter().flatten().map(|light| light.stderr).fold(0.0, f64::max);
-            let most = MOST.min(SHOWN + MOST_PIECES / realizer.draw(0)?.pieces().len().max(1) as u64);
             if worst <= PRECISION || first >= most {
                 return Ok(());
             }
@@ -97,7 +101,7 @@ impl StraightRays {
                 let numbers = start..(start + side_by_side).min(wanted);
                 let of_one = |number| {
                     let of_start = (self.of_start() / FEWER).max(FEWEST);
-                    let rays = self.through(number, &sorted(&realizer.draw(number)?)?, of_start);
+                    let rays = self.through(number, &FiberGrid::of(&realizer.draw(number)?)?, of_start);
                     Ok((number, shares(&rays, of_start)))
                 };
                 let found: Vec<(u64, Vec<f64>)> = numbers.into_par_iter().map(of_one).collect::<Result<_>>()?;
@@ -240,7 +244,7 @@ impl FirstHitBanks for Banks {
             return Ok(bank.clone());
         }
         let through = |realization| {
-            let grid = sorted(&realizer.draw(realization)?)?;
+            let grid = FiberGrid::of(&realizer.draw(realization)?)?;
             Ok(self.rays.through(realization, &grid, self.rays.of_start()))
         };
         let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
@@ -255,10 +259,6 @@ impl FirstHitBanks for Banks {
 fn shares(rays: &[FirstHit], of_start: usize) -> Vec<f64> {
     let share = |own: &[FirstHit]| own.iter().filter(|ray| ray.fiber.is_none()).count() as f64 / own.len() as f64;
     rays.chunks(of_start).map(share).collect()
-}
-
-fn sorted(realization: &Realization) -> Result<FiberGrid> {
-    FiberGrid::new(&realization.fibers, realization.period)
 }
 
 fn narrow(vector: DVec3) -> [f32; 3] {

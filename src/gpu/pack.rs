@@ -50,10 +50,10 @@ fn visible_cells(tables: &SamplingTables) -> u32 {
 
 /// One vector a cell: share (f32), placement factor (f32) or cut, first entry and index bits of its list, reach across and along.
 pub fn cell_table(tables: &SamplingTables) -> Vec<[u32; 4]> {
+    let factors = tables.carry.is_some_and(|carry| carry.factors);
     let entry = |cell: &CellEntry| {
         let list = &tables.lists[cell.list as usize];
         let share = (cell.share as f32).to_bits();
-        let factors = tables.carry.is_some_and(|carry| carry.factors);
         let second = if factors { (cell.placement as f32).to_bits() } else { cell.cut.word() };
         let reach = u32::from(cell.reach.across) | u32::from(cell.reach.along) << 16;
         let first = list.first + cell.list * visible_cells(tables);

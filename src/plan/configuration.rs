@@ -72,7 +72,7 @@ impl Configuration {
     }
 
     /// With light that goes on through another realization after each hit.
-    pub fn forgetful(self) -> Configuration {
+    pub fn anew(self) -> Configuration {
         Configuration { anew: true, ..self }
     }
 

@@ -61,14 +61,11 @@ impl Pilot {
         let goniometer = Goniometer::new(&scene.measure);
         let realizer = Realizer::new(&scene, scene.model.packing)?;
         // What a walk costs, a few through the first realization tell.
-        let drawn = |number: u64| {
-            let realization = realizer.draw(OF_PILOTS + number)?;
-            FiberGrid::new(&realization.fibers, realization.period).map(Arc::new)
-        };
+        let drawn = |number: u64| FiberGrid::of(&realizer.draw(OF_PILOTS + number)?).map(Arc::new);
         let first = drawn(0)?;
         let pieces = first.tubes().len();
         let few =
-            Explicit::of_one(&scene, first.clone())?.run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
+            Explicit::of_one(&scene, first.clone()).run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
         let tests_a_walk = few.counts.tentative_events as f64 / few.counts.launched as f64;
         let of_block = (walks(tests_a_walk) / (BLOCKS as f64 * goniometer.starts() as f64)) as u64;
         let of_block = of_block.clamp(FIRST, MOST);
@@ -76,7 +73,7 @@ impl Pilot {
         let block = |number: u64| {
             let grid = if number == 0 { first.clone() } else { drawn(number)? };
             let plan = WalkPlan { first: number * OF_BLOCK + FIRST, ..WalkPlan::new(!seed, of_block) };
-            let tally = Explicit::of_one(&scene, grid.clone())?.run(&goniometer, &plan, &mut |_| {})?;
+            let tally = Explicit::of_one(&scene, grid.clone()).run(&goniometer, &plan, &mut |_| {})?;
             Ok((tally, kept.then_some(grid)))
         };
         let blocks: Vec<(Tally, Option<Arc<FiberGrid>>)> =

@@ -3,7 +3,7 @@
 use super::configuration::{Configuration, Extent};
 use super::cost::{Cost, EngineClass};
 use super::pilot::Pilot;
-use super::prior::{Belief, Expected};
+use super::prior::{Belief, Expected, USUAL_EDGE};
 use crate::bsdf::Estimate;
 use crate::error::Result;
 use crate::goniometer::Goniometer;
@@ -201,7 +201,7 @@ impl Planner<'_> {
             pilot_seconds += started.elapsed().as_secs_f64();
             prepared = Some((configuration, medium));
             self.learn(&configuration, found.square, found.square_error);
-            self.events = Some((configuration.edge.unwrap_or(4.0), events));
+            self.events = Some((configuration.edge.unwrap_or(USUAL_EDGE), events));
             tried.push(configuration.name());
         }
         let chosen = self.choose(&pilot, &tried);
@@ -311,7 +311,7 @@ impl Planner<'_> {
         let (model_error, noise) = self.shared_out(configuration);
         let seconds_a_walk = match configuration.model.medium {
             Medium::Implicit => {
-                let (tried, events) = self.events.unwrap_or((4.0, EVENTS_A_TEST * pilot.tests_a_walk));
+                let (tried, events) = self.events.unwrap_or((USUAL_EDGE, EVENTS_A_TEST * pilot.tests_a_walk));
                 self.cost.event * events * Cost::of_edge(configuration.edge, tried)
             }
             Medium::Explicit => self.cost.test * pilot.tests_a_walk,

@@ -3,7 +3,7 @@
 use crate::scene::{Memory, Packing, Scene, Structure};
 
 /// Edge, in radii of the thinnest fiber, at which the error of cells is told.
-const USUAL_EDGE: f64 = 4.0;
+pub(super) const USUAL_EDGE: f64 = 4.0;
 
 /// E² as shares of the scattered light: E² = floor² + cells² (edge/4)⁴. Cells that are cut where fibers end err by the square of their
 /// edge; the floor is that of directions and of what the medium forgets. Both squares have means, variances and a covariance.

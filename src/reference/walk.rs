@@ -193,7 +193,7 @@ fn go_on(
                     witness.decide(|| draws.accept - seen);
                     flight.drawn(hit);
                 }
-                let hit = hit && !flight.memory.is_some_and(|memory| memory.rules_out(&touch, witness));
+                let hit = hit && !flight.memory.as_ref().is_some_and(|memory| memory.rules_out(&touch, witness));
                 (hit.then_some(touch), kind, draws.accept / seen)
             }
         };

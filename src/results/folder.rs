@@ -77,6 +77,14 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// See that nothing is in the way of a file of this name in a folder, before what goes into it is made.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when a file or folder is.
+    pub fn check(path: &Path, name: &str) -> Result<()> {
+        check_place(path, &[name])
+    }
+
     /// Write one more file into a folder, beside a result or without one; an older file of the name is replaced.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use fiberwalk::distribution::Voids;
 use fiberwalk::measure::Prepared;
 use fiberwalk::report::cloth_picture;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::Scene;
+use fiberwalk::scene::{Scene, Structure};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use std::path::Path;
 pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, plan: &str, folder: &Path, width: usize) -> Result<()> {
     let figures = cloth.statistics();
     let picture = cloth_picture(cloth, scene, width);
-    let name = if cloth.knit().is_some() { "knit.png" } else { "weave.png" };
+    let name = picture_name(&scene.structure).unwrap_or_default();
     let file = ResultFolder::add(folder, name, |file| picture.image.write_png(file))?;
     let blocks = [
         format!("{}\n", one_line(&scene.name)),
@@ -33,6 +33,15 @@ pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, plan: &str, folder
         format!("{}\n", file.display()),
     ];
     print(&blocks.concat())
+}
+
+/// The file that shows the yarns of a cloth; none of a sheet.
+pub fn picture_name(structure: &Structure) -> Option<&'static str> {
+    match structure {
+        Structure::Weave(_) => Some("weave.png"),
+        Structure::Knit(_) => Some("knit.png"),
+        Structure::Sheet(_) => None,
+    }
 }
 
 /// The repeat and the setting of the threads.

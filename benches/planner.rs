@@ -21,8 +21,10 @@ use fiberwalk::scene::{Medium, PRESETS, Scene, Source};
 const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 const EXIT: &str = "8";
 const TOLERANCES: [f64; 3] = [0.1, 0.05, 0.02];
-/// Walks of each direction and block.
+/// Walks of each direction and block: four times as many where so many of them take less than the first number of seconds, twice as
+/// many where they take less than the second.
 const WALKS: u64 = 32_768;
+const QUICK: [f64; 2] = [2.0, 5.0];
 /// Walks of each direction through one realization of the fibers.
 const EACH: u64 = 512;
 
@@ -69,7 +71,10 @@ fn study(name: &str, listed: bool) -> Result<()> {
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
     let extent = Extent::of(&scene)?;
-    let fibers = blocks(&scene, &extent, Configuration::fibers(&scene, EACH))?;
+    let trial = Trial::prepare(&scene, &extent, Configuration::fibers(&scene, EACH))?;
+    let seconds = trial.block(common::gpu(), trial.configuration().seed(1), 0, 0, WALKS)?.seconds;
+    let walks = WALKS << QUICK.into_iter().filter(|quick| seconds < *quick).count();
+    let fibers = blocks(&trial, walks)?;
     let mut list = Vec::new();
     for configuration in candidates(&scene, &extent) {
         let explicit = configuration.model.medium == Medium::Explicit;
@@ -77,7 +82,8 @@ fn study(name: &str, listed: bool) -> Result<()> {
         let (found, seconds_a_walk) = if explicit {
             (None, fibers.1)
         } else {
-            blocks(&scene, &extent, configuration).map(|(tallies, seconds)| (Some(tallies), seconds))?
+            let (tallies, seconds) = blocks(&Trial::prepare(&scene, &extent, configuration)?, walks)?;
+            (Some(tallies), seconds)
         };
         let distance = found.map_or(Ok(Distance::default()), |found| distance(&found, &fibers.0))?;
         if listed {
@@ -126,13 +132,12 @@ fn study(name: &str, listed: bool) -> Result<()> {
 }
 
 /// Blocks of walks, and the seconds of a walk: events by the nanoseconds of one.
-fn blocks(scene: &Scene, extent: &Extent, configuration: Configuration) -> Result<(Vec<Tally>, f64)> {
-    let trial = Trial::prepare(scene, extent, configuration)?;
-    let blocks = trial.blocks(common::gpu(), trial.configuration().seed(1), 0, WALKS)?;
-    let walks: u64 = blocks.iter().map(|block| block.tally.counts.launched).sum();
+fn blocks(trial: &Trial, walks: u64) -> Result<(Vec<Tally>, f64)> {
+    let blocks = trial.blocks(common::gpu(), trial.configuration().seed(1), 0, walks)?;
+    let launched: u64 = blocks.iter().map(|block| block.tally.counts.launched).sum();
     // The median block, since others may use the machine.
     let mut seconds: Vec<f64> = blocks.iter().map(|block| block.seconds).collect();
     seconds.sort_by(f64::total_cmp);
     let seconds = seconds[seconds.len() / 2] * blocks.len() as f64;
-    Ok((blocks.into_iter().map(|block| block.tally).collect(), seconds / walks as f64))
+    Ok((blocks.into_iter().map(|block| block.tally).collect(), seconds / launched as f64))
 }

@@ -9,7 +9,7 @@ use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
 use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
+use fiberwalk::scene::{Direct, FirstHit, Model, Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
@@ -50,14 +50,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(name) = woven::picture_name(&scene.structure) {
         ResultFolder::check(&folder, name)?;
     }
-    let prepared = prepare(&scene)?;
+    // Rays through the fibers show nothing here.
+    let model = Model { direct: Direct::Walks, first_hit: FirstHit::Medium, ..scene.model };
+    let prepared = prepare(&Scene { model, ..scene.clone() })?;
     let plan = planned(&scene, arguments.tolerance.unwrap_or(0.05))?;
     if let Some(cloth) = &prepared.cloth {
         return woven::run(&scene, cloth, &prepared, &plan, &folder, arguments.width.unwrap_or(1600));
     }
     let sheet = scene.sheet()?;
     let tables = format!("memory           tables {}\n", beside_fibers(&scene, &prepared)?);
-    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&prepared) + &plan))
+    print(&(cloth(&scene, sheet) + &medium(&scene, &prepared) + &tables + &results(&scene, &prepared) + &plan))
 }
 
 /// What `measure` would choose for a tolerance, and why; pilots are walked, the run is not. Nothing where the file says how the cloth
@@ -158,13 +160,13 @@ fn light(scene: &Scene, prepared: &Prepared) -> String {
 }
 
 /// What the run will take.
-fn results(prepared: &Prepared) -> String {
+fn results(scene: &Scene, prepared: &Prepared) -> String {
     let Prepared { tables, goniometer, .. } = prepared;
     format!(
         "results          {} incident × {} exit cells, at most {:.1} MiB of memory besides the program\n",
         goniometer.starts(),
         2 * goniometer.exit.cells(),
-        memory(tables, goniometer) as f64 / f64::from(1 << 20)
+        memory(&scene.model, tables, goniometer) as f64 / f64::from(1 << 20)
     )
 }
 

@@ -107,7 +107,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
     let goniometer = Goniometer::new(&scene.measure);
     let rays = StraightRays::new(scene, &goniometer);
     let Model { direct, first_hit, packing, .. } = scene.model;
-    let wanted = direct == Direct::Straight || first_hit == FirstHit::Fibers;
+    let wanted = wants_rays(&scene.model);
     let (specific_length, cloth, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
@@ -124,8 +124,7 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
     };
     let tables = SamplingTables::new(scene, &specific_length)?;
-    let of_rays = if wanted { StraightRays::bytes(goniometer.starts()) } else { 0 };
-    check_memory(memory(&tables, &goniometer) + of_rays, tables.channels(), &goniometer)?;
+    check_memory(memory(&scene.model, &tables, &goniometer), tables.channels(), &goniometer)?;
     let (mut straight, mut first_hits) = (None, None);
     if wanted {
         let realizer = match &cloth {
@@ -189,16 +188,22 @@ fn moments(channels: Option<usize>, goniometer: &Goniometer) -> usize {
     (2 * goniometer.layout().exit_cells + 1) * channels.unwrap_or_default() * goniometer.starts()
 }
 
+/// Whether a model sends straight rays through realizations.
+fn wants_rays(model: &Model) -> bool {
+    model.direct == Direct::Straight || model.first_hit == FirstHit::Fibers
+}
+
 /// Memory in bytes that a run takes at most: its results, what the gpu engine holds of one batch (on the device, as last
-/// seen, and twice on the way), and the tables.
-pub fn memory(tables: &SamplingTables, goniometer: &Goniometer) -> usize {
+/// seen, and twice on the way), the tables, and the straight rays of the model.
+pub fn memory(model: &Model, tables: &SamplingTables, goniometer: &Goniometer) -> usize {
     let channels = Kind::channels(&tables.kinds);
     let bins = goniometer.layout().stride() * goniometer.starts();
     let batch = (4 * (bins + 4 * moments(channels, goniometer))).min(128 << 20);
     // What the device reads of the tables is packed on the host first.
     let packed = 16 * (tables.patches.len() + tables.visible.as_ref().map_or(0, |visible| visible.nodes.len()));
     let cells = 16 * tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
-    result_memory(channels, goniometer) + 4 * batch + tables.bytes() + 2 * (packed + cells)
+    let rays = if wants_rays(model) { StraightRays::bytes(goniometer.starts()) } else { 0 };
+    result_memory(channels, goniometer) + 4 * batch + tables.bytes() + 2 * (packed + cells) + rays
 }
 
 /// Send walks through a medium or through fibers until `stop` says that it is enough; `started` is when the work on them

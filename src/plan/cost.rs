@@ -26,10 +26,10 @@ impl EngineClass {
     }
 }
 
-/// Nanoseconds of a core, on an AMD EPYC at rest (README, How fast); those of a sheet, whose fibers are not sorted along yarns, are
-/// the second.
+/// Nanoseconds of a core, on an AMD EPYC at rest (README, How fast); those of a sheet, whose fibers are long and are not sorted along
+/// yarns, are the second.
 const PIECE_TESTED: [f64; 2] = [32.0, 80.0];
-const PIECE_DRAWN: f64 = 1500.0;
+const PIECE_DRAWN: [f64; 2] = [550.0, 6000.0];
 /// A walk through finer cells takes this power of 1/edge more time, 1 at an edge of four radii: flights are those of the densest cell,
 /// and larger tables fit the caches less.
 const FINER: f64 = 0.35;
@@ -44,7 +44,7 @@ pub struct Cost {
     pub event: f64,
     /// Seconds of a test of a piece of a fiber, all threads at work.
     pub test: f64,
-    /// Seconds of drawing a piece.
+    /// Seconds of drawing a piece and of sorting it, all threads at work.
     pub piece: f64,
 }
 
@@ -63,7 +63,7 @@ impl Cost {
         Cost {
             event: 1e-9 * event,
             test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
-            piece: 1e-9 * PIECE_DRAWN / threads,
+            piece: 1e-9 * PIECE_DRAWN[usize::from(!cells)] / threads,
         }
     }
 

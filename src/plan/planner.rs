@@ -20,6 +20,8 @@ const PILOTS: f64 = 0.5;
 const SHARE: f64 = 0.07;
 /// Part of that time for walks through the fibers; the rest is for the medium.
 const OF_FIBERS: f64 = 0.6;
+/// The least part of that which walks get, however long the fibers take to be drawn.
+const LEAST_WALKING: f64 = 0.3;
 /// A smaller model may cost so many times as much in walks as the cheapest.
 const WORTH: f64 = 1.15;
 /// Standard errors of the expected error of a model that are taken off the tolerance beside it.
@@ -178,14 +180,17 @@ struct Planner<'a> {
 impl Planner<'_> {
     fn plan(mut self, engine: &dyn Engine, seed: u64) -> Result<(Plan, Option<Prepared>)> {
         let started = Instant::now();
-        let (of_fibers, test) = (OF_FIBERS * PILOTS, self.cost.test);
-        let mut pilot = Pilot::new(self.scene, seed, |tests| of_fibers / (tests * test))?;
+        let Cost { test, piece, .. } = self.cost;
+        // Drawing takes its part, but leaves some for walks.
+        let walks = |seconds: f64| {
+            move |tests: f64, pieces: f64| (seconds - piece * pieces).max(LEAST_WALKING * seconds) / (tests * test)
+        };
+        let mut pilot = Pilot::new(self.scene, seed, walks(OF_FIBERS * PILOTS))?;
         // A longer run has longer pilots.
         let run = self.choose(&pilot, &[]).walk_seconds.unwrap_or_default();
         let allowed = PILOTS.max(SHARE * run);
         if allowed > 2.0 * PILOTS {
-            let more = OF_FIBERS * (allowed - PILOTS);
-            pilot = Pilot::new(self.scene, seed, |tests| more / (tests * test))?;
+            pilot = Pilot::new(self.scene, seed, walks(OF_FIBERS * (allowed - PILOTS)))?;
         }
         let mut pilot_seconds = started.elapsed().as_secs_f64();
         let likely = self.choose(&pilot, &[]);

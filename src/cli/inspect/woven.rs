@@ -28,7 +28,7 @@ pub fn run(scene: &Scene, cloth: &Cloth, prepared: &Prepared, plan: &str, folder
         mass(&figures),
         sizes(&figures),
         medium(scene, prepared)?,
-        results(prepared),
+        results(scene, prepared),
         plan.to_owned(),
         format!("{}\n", file.display()),
     ];

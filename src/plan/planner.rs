@@ -299,7 +299,7 @@ impl Planner<'_> {
                 Structure::Sheet(sheet) => sheet.volume_fraction(&self.scene.fibers),
                 Structure::Weave(_) | Structure::Knit(_) => 0.0,
             };
-            Belief::new([fraction / 2.0, fraction / 6.0], [0.0, 0.0])
+            Belief::new([fraction / 2.0, fraction / 6.0], [0.0, 0.0], 0.0)
         })
     }
 

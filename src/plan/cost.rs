@@ -30,9 +30,9 @@ impl EngineClass {
 /// yarns, are the second.
 const PIECE_TESTED: [f64; 2] = [32.0, 80.0];
 const PIECE_DRAWN: [f64; 2] = [550.0, 6000.0];
-/// A walk through finer cells takes this power of 1/edge more time, 1 at an edge of four radii: flights are those of the densest cell,
-/// and larger tables fit the caches less.
-const FINER: f64 = 0.35;
+/// A walk through finer cells takes this power of 1/edge more time: flights are those of the densest cell, and larger tables fit the
+/// caches less. The second is that of untwisted yarns, whose cells are alike along them.
+const FINER: [f64; 2] = [0.35, 0.15];
 /// Realizations that a medium is counted from, and times that counting takes as long as drawing.
 const COUNTED: f64 = 40.0;
 const COUNTING: f64 = 3.0;
@@ -44,6 +44,8 @@ pub struct Cost {
     pub event: f64,
     /// Seconds of a test of a piece of a fiber, all threads at work.
     pub test: f64,
+    /// Power of 1/edge by which walks through finer cells take longer.
+    finer: f64,
     /// Seconds of drawing a piece and of sorting it, all threads at work.
     pub piece: f64,
 }
@@ -61,6 +63,7 @@ impl Cost {
             (EngineClass::HardwareGpu, _) => 0.2,
         };
         Cost {
+            finer: FINER[usize::from(scene.structure.untwisted())],
             event: 1e-9 * event,
             test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
             piece: 1e-9 * PIECE_DRAWN[usize::from(!cells)] / threads,
@@ -68,8 +71,8 @@ impl Cost {
     }
 
     /// How much more a walk costs in cells of another edge, in radii of the thinnest fiber, than in those of `tried`.
-    pub fn of_edge(edge: Option<f64>, tried: f64) -> f64 {
-        edge.map_or(1.0, |edge| (tried / edge).powf(FINER))
+    pub fn of_edge(&self, edge: Option<f64>, tried: f64) -> f64 {
+        edge.map_or(1.0, |edge| (tried / edge).powf(self.finer))
     }
 
     /// Seconds of counting a medium.

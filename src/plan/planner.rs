@@ -317,7 +317,7 @@ impl Planner<'_> {
         let seconds_a_walk = match configuration.model.medium {
             Medium::Implicit => {
                 let (tried, events) = self.events.unwrap_or((USUAL_EDGE, EVENTS_A_TEST * pilot.tests_a_walk));
-                self.cost.event * events * Cost::of_edge(configuration.edge, tried)
+                self.cost.event * events * self.cost.of_edge(configuration.edge, tried)
             }
             Medium::Explicit => self.cost.test * pilot.tests_a_walk,
         };

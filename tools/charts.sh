@@ -8,7 +8,7 @@ time=${1:-300}
 shift || true
 [ $# -gt 0 ] || set -- voile denim felt lining
 cargo build --release --locked
-mkdir -p assets/figures/charts
+mkdir -p assets/figures/charts target/charts
 for cloth in "$@"; do
     folder=target/charts/$cloth
     target/release/fiberwalk chart "$cloth" --time "${time}s" --force -o "$folder" > "$folder.txt.new" || exit

@@ -226,7 +226,9 @@ fn budget(chart: &Chart) -> String {
     let parts: Vec<String> =
         [Part::Directions, Part::Cells, Part::Averaging, Part::Medium].into_iter().filter_map(part).collect();
     let total = size(Part::Total).unwrap_or_default();
-    format!("The model of {} is off by {total} in all; of the parts: {}.", chart.budget.configuration, parts.join(", "))
+    let parts =
+        if parts.is_empty() { "no part was measured".into() } else { format!("of the parts: {}", parts.join(", ")) };
+    format!("The model of {} is off by {total} in all; {parts}.", chart.budget.configuration)
 }
 
 /// A deviation with its error; one that noise may hide, whose square is below three of its standard errors, by the bound that it

@@ -17,8 +17,8 @@ impl Clipper {
     }
 
     /// Call `take` with the cell, the start and end of each part as shares of the piece from `from` to `to` (mm), in
-    /// their order, and the middle of the part from 0 to 1 along each edge of the cell. The parts fill the piece; x and y are periodic, and what protrudes from a face belongs to the cells
-    /// there.
+    /// their order, and the middle of the part from 0 to 1 along each edge of the cell. The parts fill the piece; x and y are
+    /// periodic, and what protrudes from a face belongs to the cells there.
     pub fn parts(&mut self, from: DVec3, to: DVec3, mut take: impl FnMut([u32; 3], f64, f64, DVec3)) {
         let edges = self.grid.edges();
         let up = DVec3::new(0.0, 0.0, self.grid.thickness);

@@ -50,7 +50,7 @@ impl Pilot {
     /// the pieces that are drawn, all directions and blocks together. What is found does not depend on the clock.
     ///
     /// # Errors
-    /// Those of [`Realizer::draw`] and [`Explicit::drawn`].
+    /// Those of [`Realizer::draw`] and [`FiberGrid::of`].
     pub fn new(scene: &Scene, seed: u64, walks: impl Fn(f64, f64) -> f64) -> Result<Pilot> {
         let mut scene = scene.clone();
         let listed = matches!(&scene.measure.incident, Incident::List(list) if list.len() <= MOST_DIRECTIONS);
@@ -67,9 +67,8 @@ impl Pilot {
         let few =
             Explicit::of_one(&scene, first.clone()).run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
         let tests_a_walk = few.counts.tentative_events as f64 / few.counts.launched as f64;
-        let of_block = (walks(tests_a_walk, (pieces * BLOCKS as usize) as f64)
-            / (BLOCKS as f64 * goniometer.starts() as f64)) as u64;
-        let of_block = of_block.clamp(FIRST, MOST);
+        let all = walks(tests_a_walk, pieces as f64 * BLOCKS as f64);
+        let of_block = ((all / (BLOCKS as f64 * goniometer.starts() as f64)) as u64).clamp(FIRST, MOST);
         let kept = scene.model.first_hit == FirstHit::Fibers;
         let block = |number: u64| {
             let grid = if number == 0 { first.clone() } else { drawn(number)? };

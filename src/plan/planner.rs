@@ -274,7 +274,7 @@ impl Planner<'_> {
 
     /// Take in the distance of a medium from the fibers.
     fn learn(&mut self, configuration: &Configuration, square: f64, error: f64) {
-        let edge = configuration.edge.unwrap_or(2.0);
+        let edge = configuration.edge.unwrap_or(USUAL_EDGE);
         if self.is_sheet() && configuration.model.placement == Placement::AtHit {
             self.at_hit = Some(self.of_at_hit().after(square, error, edge));
         } else {
@@ -289,7 +289,7 @@ impl Planner<'_> {
         }
         let at_hit = self.is_sheet() && configuration.model.placement == Placement::AtHit;
         let belief = if at_hit { self.of_at_hit() } else { self.belief };
-        belief.at(configuration.edge.unwrap_or(2.0))
+        belief.at(configuration.edge.unwrap_or(USUAL_EDGE))
     }
 
     /// What is known of at-hit in a sheet: hits are off by about the volume fraction, lobes by half of that.

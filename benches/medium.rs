@@ -1,6 +1,6 @@
-//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate] [short] [anew]`, all
-//! presets and both packings without words; `short` leaves all rows out but those of the default medium at several edges and of the
-//! finest, `anew` all media.
+//! How wrong the implicit medium is for a cloth: `cargo bench --bench medium -- [PRESET...] [random] [separate] [short] [anew]
+//! [long]`, all presets and both packings without words; `short` leaves all rows out but those of the default medium at several edges
+//! and of the finest, `anew` all media; `long` takes four times the walks.
 //!
 //! The row *anew* is walks through the fibers that go on through another realization after each hit: what a medium without memory
 //! would have if its cells and directions were exact.
@@ -19,7 +19,7 @@ use fiberwalk::bsdf::{Totals, block_noise, distance, totals};
 use fiberwalk::error::Result;
 use fiberwalk::goniometer::Tally;
 use fiberwalk::plan::{BLOCKS, Configuration, Extent, Trial};
-use fiberwalk::scene::{Direct, FirstHit, PRESETS, Packing, Placement, Scene, Source, Structure};
+use fiberwalk::scene::{PRESETS, Packing, Placement, Scene, Source, Structure};
 use std::time::Instant;
 
 /// Incident directions (θ, φ) in degrees, none in a plane in which yarns lie: there filaments send light along edges of exit
@@ -29,14 +29,18 @@ const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 const EXIT: &str = "8";
 /// Walks of each direction and block, through the fibers and through the default medium.
 const WALKS: u64 = 32_768;
+/// As many times more of a long run.
+const LONGER: u64 = 4;
 /// The same through the media by placement, whose E is large.
 const FEW: u64 = 8_192;
 /// Walks of each direction through one realization; more where a realization of separate fibers takes long.
-const EACH: [u64; 2] = [256, 4096];
+const EACH: [u64; 2] = [256, 8192];
 /// Edges of cells in radii of the thinnest fiber.
 const EDGES: [f64; 3] = [8.0, 4.0, 2.0];
 /// The finest cells.
 const FINEST: f64 = 1.4;
+/// Edges that are nearer to the usual one than this factor are left out.
+const NEAR: f64 = 1.2;
 const PLACEMENTS: [Placement; 4] =
     [Placement::AtHit, Placement::Carried, Placement::CarriedDense, Placement::CarriedVoid];
 
@@ -44,18 +48,19 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let named = |name: &str| words.iter().any(|word| word == name);
     let any = PRESETS.iter().any(|(name, _)| named(name));
+    let walks = [WALKS, FEW].map(|walks| if named("long") { LONGER * walks } else { walks });
     println!(
         "Light from {DIRECTIONS}; {} walks of each direction in {BLOCKS} blocks, {} through media with first hits of \
          their own; exit cells {EXIT} × {EXIT} on each side.\n",
-        BLOCKS * WALKS,
-        BLOCKS * FEW
+        BLOCKS * walks[0],
+        BLOCKS * walks[1]
     );
     println!("| preset | fibers | model | R | T | direct | E % | KiB | prepare s |");
     println!("|---|---|---|---|---|---|---|---|---|");
     for (name, _) in PRESETS.into_iter().filter(|(name, _)| !any || named(name)) {
         for (word, packing) in [("random", Packing::Random), ("separate", Packing::Separate)] {
             if named(word) || !(named("random") || named("separate")) {
-                if let Err(error) = study(name, word, packing, &named) {
+                if let Err(error) = study(name, word, packing, walks, &named) {
                     println!("| {name} | {word} | {error} |||||||");
                 }
             }
@@ -65,7 +70,7 @@ fn main() -> Result<()> {
 }
 
 /// All rows of a preset and packing.
-fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool) -> Result<()> {
+fn study(name: &str, word: &str, packing: Packing, [walks, few]: [u64; 2], named: &dyn Fn(&str) -> bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
@@ -75,10 +80,15 @@ fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool)
     let fibers = Configuration::fibers(&scene, EACH[usize::from(packing == Packing::Separate)]);
     let trial = Trial::prepare(&scene, &extent, fibers)?;
     let started = Instant::now();
-    let reference = tallies(&trial, WALKS)?;
+    let reference = tallies(&trial, walks)?;
     let seconds = started.elapsed().as_secs_f64();
     println!("{}", fiber_row(&label, &reference, &trial, seconds)?);
-    match row(&scene, &extent, fibers.anew(), &reference) {
+    let row = |configuration: Configuration| {
+        let trial = Trial::prepare(&scene, &extent, configuration)?;
+        let own = trial.medium().is_some_and(|medium| medium.first_hits.is_none() && medium.cloth.is_some());
+        row(&trial, &tallies(&trial, if own { few } else { walks })?, &reference)
+    };
+    match row(fibers.anew()) {
         Ok(line) => println!("{label} | fibers, anew after each hit {line}"),
         Err(error) => println!("{label} | fibers, anew after each hit | {error} ||||||"),
     }
@@ -86,10 +96,11 @@ fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool)
         return Ok(());
     }
     let usual = Configuration::of(&scene, &extent);
-    let all = configurations(usual, matches!(scene.structure, Structure::Sheet(_)));
-    let skipped = if named("short") { all.len().saturating_sub(4) } else { 0 };
-    for configuration in all.into_iter().skip(skipped) {
-        match row(&scene, &extent, configuration, &reference) {
+    let sheet = matches!(scene.structure, Structure::Sheet(_));
+    let placements = if named("short") && !sheet { Vec::new() } else { by_placement(usual, sheet) };
+    let edges = if sheet { Vec::new() } else { by_edge(usual) };
+    for configuration in placements.into_iter().chain(edges) {
+        match row(configuration) {
             Ok(line) => println!("{label} | {} {line}", configuration.name()),
             Err(error) => println!("{label} | {} | {error} ||||||", configuration.name()),
         }
@@ -97,15 +108,21 @@ fn study(name: &str, word: &str, packing: Packing, named: &dyn Fn(&str) -> bool)
     Ok(())
 }
 
-/// Media by placement and edge, the default with first hits on fibers by edge, and the finest.
-fn configurations(usual: Configuration, sheet: bool) -> Vec<Configuration> {
-    let paper = usual.hit_first(FirstHit::Medium).lit(Direct::Walks);
-    if sheet {
-        return PLACEMENTS.map(|placement| paper.placed(placement)).to_vec();
-    }
-    let media = PLACEMENTS.into_iter().flat_map(|placement| EDGES.map(|edge| paper.placed(placement).edged(edge)));
+/// Media by placement and edge, with first hits of their own.
+fn by_placement(usual: Configuration, sheet: bool) -> Vec<Configuration> {
+    let paper = usual.without_rays();
+    let edges = |placement| EDGES.map(|edge| paper.placed(placement).edged(edge));
+    if sheet { PLACEMENTS.map(|placement| paper.placed(placement)).to_vec() } else { PLACEMENTS.map(edges).concat() }
+}
+
+/// The default with first hits on fibers by edge, and the finest.
+fn by_edge(usual: Configuration) -> Vec<Configuration> {
+    let coarser = |edge: &f64| usual.edge.is_none_or(|usual| *edge > NEAR * usual);
+    let mut all: Vec<Configuration> = EDGES.into_iter().filter(coarser).map(|edge| usual.edged(edge)).collect();
     let finest = usual.edged(FINEST).directed(16384);
-    media.chain(EDGES[..2].iter().map(|edge| usual.edged(*edge))).chain([usual, finest]).collect()
+    all.extend([usual, finest]);
+    all.dedup_by_key(|configuration| configuration.name());
+    all
 }
 
 fn tallies(trial: &Trial, walks: u64) -> Result<Vec<Tally>> {
@@ -147,12 +164,9 @@ fn fiber_row(label: &str, reference: &[Tally], trial: &Trial, seconds: f64) -> R
 }
 
 /// One medium.
-fn row(scene: &Scene, extent: &Extent, configuration: Configuration, reference: &[Tally]) -> Result<String> {
-    let trial = Trial::prepare(scene, extent, configuration)?;
-    let few = trial.medium().is_some_and(|medium| medium.first_hits.is_none() && medium.cloth.is_some());
-    let blocks = tallies(&trial, if few { FEW } else { WALKS })?;
+fn row(trial: &Trial, blocks: &[Tally], reference: &[Tally]) -> Result<String> {
     let worst = |share: fn(&Totals) -> f64, relative: bool| {
-        let (here, there) = (means(&blocks, share), means(reference, share));
+        let (here, there) = (means(blocks, share), means(reference, share));
         let off = here.iter().zip(&there).map(|(a, b)| {
             let percent = 100.0 / if relative { b[0] } else { 1.0 };
             (percent * (a[0] - b[0]), percent * a[1].hypot(b[1]))
@@ -160,7 +174,7 @@ fn row(scene: &Scene, extent: &Extent, configuration: Configuration, reference: 
         let (value, error) = off.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or_default();
         format!("{value:+.1} ± {error:.1}")
     };
-    let found = distance(&blocks, reference)?.estimate();
+    let found = distance(blocks, reference)?.estimate();
     Ok(format!(
         "| {} | {} | {} | {:.1} ± {:.1} | {} | {:.1} |",
         worst(|totals| totals.reflectance.value, true),

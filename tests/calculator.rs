@@ -294,9 +294,7 @@ fn tables_do_not_depend_on_threads_or_on_the_order_of_the_work() {
     let mut scene = Scene::parse(&Source::find("charmeuse").expect("it is a preset")).expect("it is right");
     scene.model.cells = Some([11, 26, 5]);
     let cloth = Cloth::new(&scene).expect("it can be laid out");
-    let count = |effort| {
-        SpecificLength::of_cloth(&cloth, &scene.model, effort, |_, _| Ok(()), |_| {}).expect("it can be counted")
-    };
+    let count = |effort| SpecificLength::of_cloth(&cloth, &scene.model, effort, |_| {}).expect("it can be counted");
     let (by_precision, gathering) = count(Effort::Precision(0.03));
     assert!(gathering.realizations > 32 && gathering.error < 0.035, "{gathering:?}");
     let (at_once, _) = count(Effort::Realizations(gathering.realizations));
@@ -366,7 +364,7 @@ fn a_cell_that_is_too_full_is_named_with_a_grid_that_cures_it() {
     let cloth = Woven::of(PLAIN, Yarn::new(200, 300.0, 200.0, lines), 20.0).cloth();
     let with = |cells| {
         let model = Model { cells: Some(cells), directions: 64, cone: Some(0.0), ..Model::default() };
-        SpecificLength::of_cloth(&cloth, &model, Effort::Precision(0.05), |_, _| Ok(()), |_| {})
+        SpecificLength::of_cloth(&cloth, &model, Effort::Precision(0.05), |_| {})
     };
     let error = with([48, 48, 24]).expect_err("its cells are too full").to_string();
     println!("{error}");

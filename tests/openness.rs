@@ -111,8 +111,7 @@ fn direct_light_tends_to_the_openness_as_cells_get_finer() {
         .map(|n| {
             scene.model.cells = Some([n, n, n.div_ceil(4)]);
             let effort = Effort::Realizations(64);
-            let (f, _) = SpecificLength::of_cloth(&cloth, &scene.model, effort, |_, _| Ok(()), |_| {})
-                .expect("it can be counted");
+            let (f, _) = SpecificLength::of_cloth(&cloth, &scene.model, effort, |_| {}).expect("it can be counted");
             let tables = SamplingTables::new(&scene, &f).expect("it is fine");
             let plan = WalkPlan::new(u64::from(n), walks);
             let tally = gpu().run(&tables, &goniometer, &plan, &mut |_| {}).expect("it runs");

@@ -9,7 +9,7 @@ use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
 use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::{Direct, FirstHit, Model, Orientation, Packing, Scene, Sheet, Source, Structure};
+use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
@@ -51,8 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ResultFolder::check(&folder, name)?;
     }
     // Rays through the fibers show nothing here.
-    let model = Model { direct: Direct::Walks, first_hit: FirstHit::Medium, ..scene.model };
-    let prepared = prepare(&Scene { model, ..scene.clone() })?;
+    let prepared = prepare(&Scene { model: scene.model.without_rays(), ..scene.clone() })?;
     let plan = planned(&scene, arguments.tolerance.unwrap_or(0.05))?;
     if let Some(cloth) = &prepared.cloth {
         return woven::run(&scene, cloth, &prepared, &plan, &folder, arguments.width.unwrap_or(1600));

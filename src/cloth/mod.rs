@@ -2,7 +2,7 @@
 //!
 //! Computes: the axes of the threads of one repeat of a weave or a knit, and random draws of all their fibers, whole and as
 //! straight pieces; the same for an element of a sheet ([`Realizer`]). Fibers of a draw can be pushed apart
-//! ([`Realization::separate`]).
+//! ([`Realizer::draw_separate`]).
 //!
 //! Inputs: a checked scene with a `[weave]` or a `[knit]`; lengths in mm, twists in turns per mm. End i lies at x = (i + ½)·spacing,
 //! pick j at y = (j + ½)·spacing; the repeat starts at x = y = 0 and the front's highest point is z = 0.

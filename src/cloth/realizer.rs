@@ -1,21 +1,37 @@
 //! Realizations of any cloth, one after the other.
 
+use super::curves::Curve;
 use super::realization::Realization;
 use super::repeat::Cloth;
 use super::separate::Separation;
 use super::web::Web;
 use crate::error::Result;
 use crate::scene::{Packing, Scene, Structure};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Most memory in bytes of the realizations that a realizer keeps.
+const MOST_KEPT: usize = 1 << 30;
 
 /// Seed of the fibers: they do not depend on the seed of the walks.
 pub const SEED: u64 = 0;
+/// Most draws of separate fibers, of which one that succeeds is taken.
+const ATTEMPTS: u64 = 3;
 
 /// Draws realizations of a sheet, a weave or a knit.
 #[derive(Clone, Debug)]
 pub struct Realizer {
     element: Element,
     packing: Packing,
+    kept: Option<Arc<Mutex<Kept>>>,
+}
+
+/// Realizations that were drawn, by their numbers.
+#[derive(Debug, Default)]
+struct Kept {
+    realizations: BTreeMap<u64, Arc<Realization>>,
+    bytes: usize,
 }
 
 /// What is drawn from.
@@ -36,12 +52,26 @@ impl Realizer {
             Structure::Sheet(sheet) => Element::Web(Web::new(sheet, &scene.fibers)?),
             Structure::Weave(_) | Structure::Knit(_) => Element::Yarns(Box::new(Cloth::new(scene)?)),
         };
-        Ok(Realizer { element, packing })
+        Ok(Realizer { element, packing, kept: None })
     }
 
     /// Of a cloth of yarns that is laid out.
     pub fn of_yarns(cloth: Cloth, packing: Packing) -> Realizer {
-        Realizer { element: Element::Yarns(Box::new(cloth)), packing }
+        Realizer { element: Element::Yarns(Box::new(cloth)), packing, kept: None }
+    }
+
+    /// Draw a realization of separate fibers, which takes long, only once, and keep it for the next that asks this realizer or a
+    /// clone of it, up to 1 GiB of them.
+    pub fn keeping(self) -> Realizer {
+        Realizer { kept: Some(Arc::default()), ..self }
+    }
+
+    /// The yarns that are laid out; none of a sheet.
+    pub fn yarns(&self) -> Option<&Cloth> {
+        match &self.element {
+            Element::Yarns(cloth) => Some(cloth),
+            Element::Web(_) => None,
+        }
     }
 
     /// Size of the periodic element along x and y in mm.
@@ -66,26 +96,115 @@ impl Realizer {
     /// [`Error::Input`](crate::Error::Input) when fibers are to be separate and cannot be.
     pub fn draw(&self, number: u64) -> Result<Realization> {
         match self.packing {
-            Packing::Random => Ok(self.lay(number)),
-            Packing::Separate => Ok(self.draw_separate(number)?.0),
+            Packing::Random => Ok(self.lay(0, number)),
+            Packing::Separate => {
+                let kept = self.kept.as_deref().map(|kept| move || kept.lock().unwrap_or_else(PoisonError::into_inner));
+                if let Some(known) = kept.as_ref().and_then(|kept| kept().realizations.get(&number).cloned()) {
+                    return Ok(Realization::clone(&known));
+                }
+                let drawn = self.draw_separate(number)?.0;
+                if let Some(kept) = kept {
+                    kept().keep(number, &drawn);
+                }
+                Ok(drawn)
+            }
         }
     }
 
-    /// Draw a realization with separate fibers, whatever the packing, and say how separate they are.
+    /// Draw a realization with separate fibers, whatever the packing, and say how separate they are. Where all fibers but a few that
+    /// are caught in each other have found room, they are laid anew, up to twice.
     ///
     /// # Errors
-    /// Those of [`Realizer::draw`].
+    /// [`Error::Input`](crate::Error::Input) with the overlap that is left when fibers are too dense.
     pub fn draw_separate(&self, number: u64) -> Result<(Realization, Separation)> {
-        let mut realization = self.lay(number);
-        let separation = realization.separate()?;
-        Ok((realization, separation))
+        let mut attempt = 0;
+        loop {
+            let mut realization = self.lay(attempt, number);
+            let separation = realization.push_apart();
+            if separation.reached() {
+                return Ok((realization, separation));
+            }
+            attempt += 1;
+            if !separation.fills() || attempt == ATTEMPTS {
+                return Err(realization.refusal(&separation));
+            }
+        }
     }
 
     /// Lay fibers independently.
-    fn lay(&self, number: u64) -> Realization {
+    fn lay(&self, attempt: u64, number: u64) -> Realization {
         match &self.element {
-            Element::Yarns(cloth) => cloth.draw(SEED, number),
-            Element::Web(web) => web.draw(SEED, number),
+            Element::Yarns(cloth) => cloth.draw(SEED + attempt, number),
+            Element::Web(web) => web.draw(SEED + attempt, number),
         }
+    }
+}
+
+impl Kept {
+    /// Keep a realization while there is room.
+    fn keep(&mut self, number: u64, drawn: &Realization) {
+        let corners: usize = drawn.fibers.iter().map(|fiber| fiber.points.len()).sum();
+        let bytes = corners * size_of::<DVec3>() + drawn.fibers.len() * size_of::<Curve>();
+        if self.bytes + bytes <= MOST_KEPT && self.realizations.insert(number, Arc::new(drawn.clone())).is_none() {
+            self.bytes += bytes;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, Source};
+
+    #[test]
+    fn separate_fibers_are_drawn_once_and_others_are_not_kept() {
+        let source = Source::find("sheer").expect("it is a preset");
+        let scene = Scene::parse(&source).expect("it is right");
+        let keeping = |packing| Realizer::new(&scene, packing).expect("it can be laid out").keeping();
+        let kept = |realizer: &Realizer| {
+            let kept = realizer.kept.as_ref().expect("it keeps").lock().expect("nobody failed");
+            (kept.realizations.keys().copied().collect::<Vec<_>>(), kept.bytes)
+        };
+        let separate = keeping(Packing::Separate);
+        let (first, before) = (separate.draw(3).expect("it is loose"), kept(&separate));
+        assert_eq!(before.0, [3]);
+        // A clone finds it, and it is the same; put another in its place to see that it is not drawn again.
+        let shared = separate.clone();
+        assert_eq!(shared.draw(3).expect("it is known"), first);
+        let other = separate.draw(4).expect("it is loose");
+        assert_ne!(other, first);
+        if let Some(kept) = &separate.kept {
+            kept.lock().expect("nobody failed").realizations.insert(3, Arc::new(other.clone()));
+        }
+        assert_eq!(shared.draw(3).expect("it is known"), other);
+        assert_eq!(
+            Realizer::new(&scene, Packing::Separate).and_then(|plain| plain.draw(3)).expect("it is loose"),
+            first
+        );
+        let random = keeping(Packing::Random);
+        random.draw(3).expect("nothing is refused");
+        assert!(kept(&random).0.is_empty() && before.1 > 0);
+    }
+
+    #[test]
+    fn fibers_that_are_caught_in_each_other_are_laid_anew() {
+        let scene = Scene::parse(&Source::find("voile").expect("it is a preset")).expect("it is right");
+        let realizer = Realizer::new(&scene, Packing::Separate).expect("it can be laid out");
+        // In the first draw of this number two fibers wind about each other.
+        let (drawn, separation) = realizer.draw_separate(31).expect("there is room");
+        assert!(separation.reached(), "{separation:?}");
+        let mut anew = realizer.lay(1, 31);
+        anew.push_apart();
+        assert_eq!(drawn, anew);
+    }
+
+    #[test]
+    fn what_has_no_room_is_not_kept() {
+        let scene = Scene::parse(&Source::find("sheer").expect("it is a preset")).expect("it is right");
+        let realizer = Realizer::new(&scene, Packing::Random).expect("it can be laid out");
+        let drawn = realizer.draw(0).expect("nothing is refused");
+        let mut kept = Kept { bytes: MOST_KEPT, ..Kept::default() };
+        kept.keep(0, &drawn);
+        assert!(kept.realizations.is_empty() && kept.bytes == MOST_KEPT);
     }
 }

@@ -9,13 +9,15 @@ use super::sheet::SpecificLength;
 use super::voids::{VoidCount, VoidSums, Voids};
 use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
-use crate::scene::{Model, Placement};
+use crate::scene::{Model, Placement, Yarn};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// Edge of a cell in radii of the thinnest fiber where the file does not say.
+/// Edge of a cell in radii of the thinnest fiber where the file does not say, and that of filaments without twist of which some are
+/// opaque: light comes between these alone, and the rims of such yarns are sharp.
 const EDGE: f64 = 2.0;
+const FINER_EDGE: f64 = 1.4;
 /// Largest width of a direction list in shares of the distance of two yarns and of the thickness: fibers of a twisted yarn
 /// change their direction from its one side to the other.
 const LIST_WIDTH: f64 = 1.0 / 16.0;
@@ -100,25 +102,18 @@ pub struct Element<'a> {
 }
 
 impl SpecificLength {
-    /// Count the fibers of a woven or knitted cloth: the mean over realizations. `see` is shown each of them with its number,
-    /// in any order; `progress` is told the share that is done.
+    /// Count the fibers of a woven or knitted cloth: the mean over realizations; `progress` is told the share that is done.
     ///
     /// # Errors
-    /// Those of [`SpecificLength::of_pieces`] and of `see`.
+    /// Those of [`SpecificLength::of_pieces`].
     pub fn of_cloth(
         cloth: &Cloth,
         model: &Model,
         effort: Effort,
-        see: impl Fn(u64, &Realization) -> Result<()> + Sync,
         progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
         let realizer = Realizer::of_yarns(cloth.clone(), model.packing);
-        let draw = |number| {
-            let realization = realizer.draw(number)?;
-            see(number, &realization)?;
-            Ok(realization)
-        };
-        SpecificLength::of_draws(cloth, model, effort, &draw, progress)
+        SpecificLength::of_draws(cloth, model, effort, &|number| realizer.draw(number), progress)
     }
 
     /// The same from realizations of the cloth that `draw` draws from their numbers.
@@ -243,9 +238,12 @@ pub fn cells_of_edge(cloth: &Cloth, edge: f64) -> [u32; 3] {
     cloth.size().to_array().map(|size| ((size / edge).ceil() as u32).clamp(1, MOST_ALONG))
 }
 
-/// Edge of a cell in mm where the file does not say: two radii of the thinnest fiber, more where that would be too many cells.
+/// Edge of a cell in mm where the file does not say: two radii of the thinnest fiber, 1.4 of filaments without twist of which some
+/// are opaque, more where that would be too many cells.
 pub fn usual_edge(cloth: &Cloth) -> f64 {
-    let mut edge = EDGE * thinnest_radius(cloth);
+    let filaments = cloth.yarns().iter().all(Yarn::untwisted);
+    let opaque = cloth.used_kinds().iter().any(|kind| cloth.kinds()[*kind].opaque());
+    let mut edge = thinnest_radius(cloth) * if filaments && opaque { FINER_EDGE } else { EDGE };
     while cells_of_edge(cloth, edge).iter().map(|count| *count as usize).product::<usize>() > MOST_CELLS {
         edge *= 1.1;
     }

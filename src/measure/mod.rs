@@ -13,8 +13,8 @@ mod stop;
 pub use engine::{ChosenEngine, EngineChoice, choose};
 pub use fibers::AgainstFibers;
 pub use run::{
-    MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_with,
-    run,
+    MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_from,
+    prepare_with, run,
 };
 pub use self_test::{SelfTest, self_test};
 pub use stop::Stop;

@@ -104,11 +104,19 @@ pub fn prepare(scene: &Scene) -> Result<Prepared> {
 /// # Errors
 /// Those of [`prepare`].
 pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared> {
+    prepare_from(scene, None, progress)
+}
+
+/// As [`prepare_with`], from realizations of this realizer of the scene's yarns, if it is given.
+///
+/// # Errors
+/// Those of [`prepare`].
+pub fn prepare_from(scene: &Scene, realizer: Option<&Realizer>, progress: impl FnMut(f64)) -> Result<Prepared> {
     let goniometer = Goniometer::new(&scene.measure);
     let rays = StraightRays::new(scene, &goniometer);
     let Model { direct, first_hit, packing, .. } = scene.model;
-    let wanted = wants_rays(&scene.model);
-    let (specific_length, cloth, gathering) = match &scene.structure {
+    let wanted = scene.model.wants_rays();
+    let (specific_length, yarns, gathering) = match &scene.structure {
         Structure::Sheet(sheet) => {
             let grid = DirectionGrid { n: scene.model.directions.isqrt() };
             let radius = |kind: usize| scene.fibers[kind].radius;
@@ -118,19 +126,25 @@ pub fn prepare_with(scene: &Scene, progress: impl FnMut(f64)) -> Result<Prepared
         }
         Structure::Weave(_) | Structure::Knit(_) => {
             let cloth = Cloth::new(scene)?;
-            let see = |number, realization: &_| if wanted { rays.add(number, realization) } else { Ok(()) };
-            let (length, gathering) = SpecificLength::of_cloth(&cloth, &scene.model, Effort::default(), see, progress)?;
-            (length, Some(cloth), Some(gathering))
+            let realizer = realizer.cloned().unwrap_or_else(|| Realizer::of_yarns(cloth.clone(), packing));
+            let draw = |number| {
+                let realization = realizer.draw(number)?;
+                if wanted {
+                    rays.add(number, &realization)?;
+                }
+                Ok(realization)
+            };
+            let (length, gathering) =
+                SpecificLength::of_draws(&cloth, &scene.model, Effort::default(), &draw, progress)?;
+            (length, Some((cloth, realizer)), Some(gathering))
         }
     };
+    let (cloth, realizer) = yarns.unzip();
     let tables = SamplingTables::new(scene, &specific_length)?;
     check_memory(memory(&scene.model, &tables, &goniometer), tables.channels(), &goniometer)?;
     let (mut straight, mut first_hits) = (None, None);
     if wanted {
-        let realizer = match &cloth {
-            Some(cloth) => Realizer::of_yarns(cloth.clone(), packing),
-            None => Realizer::new(scene, packing)?,
-        };
+        let realizer = realizer.map_or_else(|| Realizer::new(scene, packing), Ok)?;
         if gathering.is_none() {
             StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
         }
@@ -188,11 +202,6 @@ fn moments(channels: Option<usize>, goniometer: &Goniometer) -> usize {
     (2 * goniometer.layout().exit_cells + 1) * channels.unwrap_or_default() * goniometer.starts()
 }
 
-/// Whether a model sends straight rays through realizations.
-fn wants_rays(model: &Model) -> bool {
-    model.direct == Direct::Straight || model.first_hit == FirstHit::Fibers
-}
-
 /// Memory in bytes that a run takes at most: its results, what the gpu engine holds of one batch (on the device, as last
 /// seen, and twice on the way), the tables, and the straight rays of the model.
 pub fn memory(model: &Model, tables: &SamplingTables, goniometer: &Goniometer) -> usize {
@@ -202,7 +211,7 @@ pub fn memory(model: &Model, tables: &SamplingTables, goniometer: &Goniometer) -
     // What the device reads of the tables is packed on the host first.
     let packed = 16 * (tables.patches.len() + tables.visible.as_ref().map_or(0, |visible| visible.nodes.len()));
     let cells = 16 * tables.cells.as_ref().map_or(0, |cells| cells.entries.len());
-    let rays = if wants_rays(model) { StraightRays::bytes(goniometer.starts()) } else { 0 };
+    let rays = if model.wants_rays() { StraightRays::bytes(goniometer.starts()) } else { 0 };
     result_memory(channels, goniometer) + 4 * batch + tables.bytes() + 2 * (packed + cells) + rays
 }
 

@@ -1,6 +1,6 @@
 //! One way to model a cloth.
 
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Realizer};
 use crate::distribution::{cells_of_edge, thinnest_radius, usual_edge};
 use crate::error::Result;
 use crate::goniometer::Goniometer;
@@ -8,33 +8,43 @@ use crate::scene::{Direct, FirstHit, Medium, Memory, Model, Packing, Placement, 
 use crate::walk::{Purpose, draw};
 use std::fmt::Write;
 
-/// What cells of a cloth of yarns are cut from.
+/// The yarns of a cloth: what cells are cut from, and what draws the fibers.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    cloth: Option<Cloth>,
+    /// The yarns; none of a sheet.
+    realizer: Option<Realizer>,
 }
 
 impl Extent {
     /// Lay out the cloth of a scene; a sheet has no extent.
     ///
     /// # Errors
-    /// Those of [`Cloth::new`].
+    /// Those of [`Realizer::new`].
     pub fn of(scene: &Scene) -> Result<Extent> {
-        let cloth = match &scene.structure {
+        let realizer = match &scene.structure {
             Structure::Sheet(_) => None,
-            Structure::Weave(_) | Structure::Knit(_) => Some(Cloth::new(scene)?),
+            Structure::Weave(_) | Structure::Knit(_) => Some(Realizer::new(scene, scene.model.packing)?.keeping()),
         };
-        Ok(Extent { cloth })
+        Ok(Extent { realizer })
+    }
+
+    /// What draws the fibers of the yarns, each realization of separate ones once; none of a sheet.
+    pub fn realizer(&self) -> Option<&Realizer> {
+        self.realizer.as_ref()
+    }
+
+    fn cloth(&self) -> Option<&Cloth> {
+        self.realizer.as_ref().and_then(Realizer::yarns)
     }
 
     /// Edge of a cell in radii of the thinnest fiber where nothing is said of cells; none of a sheet.
     pub fn usual_edge(&self) -> Option<f64> {
-        self.cloth.as_ref().map(|cloth| usual_edge(cloth) / thinnest_radius(cloth))
+        self.cloth().map(|cloth| usual_edge(cloth) / thinnest_radius(cloth))
     }
 
     /// Cells along x, y and z of an edge in radii of the thinnest fiber; none of a sheet.
     pub fn cells(&self, edge: f64) -> Option<[u32; 3]> {
-        self.cloth.as_ref().map(|cloth| cells_of_edge(cloth, edge * thinnest_radius(cloth)))
+        self.cloth().map(|cloth| cells_of_edge(cloth, edge * thinnest_radius(cloth)))
     }
 }
 
@@ -123,6 +133,11 @@ impl Configuration {
     pub fn hit_first(mut self, first_hit: FirstHit) -> Configuration {
         self.model.first_hit = first_hit;
         self
+    }
+
+    /// With first hits and direct light of the medium's own.
+    pub fn without_rays(self) -> Configuration {
+        Configuration { model: self.model.without_rays(), ..self }
     }
 
     /// With half the edge of the cells; none where there are no cells, or as many as there can be.

@@ -8,13 +8,15 @@ use crate::bsdf::Estimate;
 use crate::error::Result;
 use crate::goniometer::Goniometer;
 use crate::measure::{Prepared, prepare};
-use crate::scene::{Direct, FirstHit, Medium, Packing, Placement, Scene, Structure};
+use crate::scene::{Medium, Packing, Placement, Scene, Structure};
 use crate::walk::Engine;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Edges of cells, in radii of the thinnest fiber, that are chosen from; the usual one is among them.
-const EDGES: [f64; 3] = [8.0, 4.0, 1.4];
+/// Edges of cells, in radii of the thinnest fiber, that are chosen from; the usual one is in the place of those near it.
+const EDGES: [f64; 4] = [8.0, 4.0, 2.0, 1.4];
+/// Edges that are nearer to the usual one than this factor are left out.
+const NEAR: f64 = 1.2;
 /// Seconds of pilots of short runs, and their share of long ones: below the second and the tenth that are promised.
 const PILOTS: f64 = 0.5;
 const SHARE: f64 = 0.07;
@@ -107,7 +109,7 @@ impl Plan {
 }
 
 /// The list that a planner chooses from: of yarns, the medium of the placement for their packing with first hits on fibers, at edges
-/// of 8, 4, the usual and 1.4 radii; of a sheet, that placement and at-hit; and the fibers themselves.
+/// of 8, 4, 2 and 1.4 radii, the usual one among them; of a sheet, that placement and at-hit; and the fibers themselves.
 pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
     let usual = Configuration::of(scene, extent);
     let carried = match scene.model.packing {
@@ -117,8 +119,9 @@ pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
     let media = match (&scene.structure, extent.usual_edge()) {
         (Structure::Sheet(_), _) | (_, None) => vec![usual.placed(carried), usual.placed(Placement::AtHit)],
         (_, Some(edge)) => {
-            let coarse = EDGES.into_iter().filter(|coarse| *coarse > 1.2 * edge);
-            let fine = EDGES.into_iter().filter(|fine| *fine < edge / 1.2 && edge <= 2.0);
+            let coarse = EDGES.into_iter().filter(|coarse| *coarse > NEAR * edge);
+            // Where the usual one is larger than it should be, finer ones would be too many cells.
+            let fine = EDGES.into_iter().filter(|fine| *fine < edge / NEAR && edge <= 2.0);
             coarse.chain([edge]).chain(fine).map(|edge| usual.edged(edge)).collect()
         }
     };
@@ -198,8 +201,7 @@ impl Planner<'_> {
         for configuration in self.worth_trying(&likely, &pilot, (1.0 - OF_FIBERS) * allowed) {
             // Counting the fibers is a part of the run, unless another model is chosen in the end.
             // Rays to direct light and first hits are no part of a pilot, which has its own.
-            let bare = configuration.lit(Direct::Walks).hit_first(FirstHit::Medium);
-            let wanted = if self.kept { configuration } else { bare };
+            let wanted = if self.kept { configuration } else { configuration.without_rays() };
             let medium = prepare(&wanted.apply(self.scene, self.extent))?;
             let started = Instant::now();
             let (found, events) = pilot.try_medium(&medium.tables, engine, seed)?;

@@ -50,20 +50,20 @@ impl Belief {
         if let Structure::Sheet(_) = &scene.structure {
             return Belief::new([0.005, 0.005], [0.0, 0.0], SPUN);
         }
-        let absorbing = !scene.channels.lossless() && scene.kinds().len() > 1;
+        let opaque = scene.kinds().iter().any(|kind| scene.fibers[*kind].opaque());
         let untwisted = scene.structure.untwisted();
-        let (cells, power) = match (untwisted, absorbing) {
+        let (cells, power) = match (untwisted, opaque) {
             // Spun yarns: denim, gabardine, jersey, linen, muslin, rib, sheer, voile.
             (false, _) => ([0.009, 0.002], SPUN),
             // Filaments without twist: charmeuse, lining.
             (true, false) => ([0.024, 0.003], FILAMENTS),
-            // Dark beside light ones: dimout.
+            // Such as are opaque: dimout.
             (true, true) => ([0.0145, 0.003], FILAMENTS),
         };
         let floor = match (scene.model.packing, scene.model.memory) {
             (Packing::Separate, _) => [0.035, 0.015],
             (Packing::Random, Memory::None) => [0.030, 0.008],
-            (Packing::Random, Memory::Flight) => match (untwisted, absorbing) {
+            (Packing::Random, Memory::Flight) => match (untwisted, opaque) {
                 (false, _) => [0.0118, 0.0013],
                 (true, false) => [0.0138, 0.0011],
                 (true, true) => [0.021, 0.002],

@@ -6,7 +6,7 @@ use crate::cloth::Realizer;
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
-use crate::measure::{Prepared, prepare};
+use crate::measure::{Prepared, prepare_from};
 use crate::scene::{Medium, Scene};
 use crate::walk::{Engine, FirstHitBanks, Implicit, Walker};
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ impl Trial {
     /// Realizations of the fibers themselves are others than those that media are counted from, so that both are independent.
     ///
     /// # Errors
-    /// Those of [`prepare`] and [`Explicit::drawn`]; among them that a configuration is refused for this cloth.
+    /// Those of [`prepare_from`] and [`Explicit::drawn`]; among them that a configuration is refused for this cloth.
     pub fn prepare(scene: &Scene, extent: &Extent, configuration: Configuration) -> Result<Trial> {
         let scene = configuration.apply(scene, extent);
         let goniometer = Goniometer::new(&scene.measure);
@@ -56,12 +56,13 @@ impl Trial {
         let mut drawing = 0.0;
         let body = match configuration.model.medium {
             Medium::Implicit => {
-                let prepared = prepare(&scene)?;
+                let prepared = prepare_from(&scene, extent.realizer(), |_| {})?;
                 let banks = prepared.first_hits.clone().map(KeptBanks::new);
                 Body::Medium(Box::new(prepared), banks)
             }
             Medium::Explicit => {
-                let realizer = Realizer::new(&scene, scene.model.packing)?;
+                let realizer = extent.realizer().cloned();
+                let realizer = realizer.map_or_else(|| Realizer::new(&scene, scene.model.packing), Ok)?;
                 let through = configuration.each.map(|each| each as usize * goniometer.starts());
                 let laid_out = started.elapsed().as_secs_f64();
                 let explicit = Explicit::drawn(&scene, through, move |number| realizer.draw(OF_MEDIA + number))?;

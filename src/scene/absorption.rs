@@ -27,6 +27,17 @@ pub enum Absorption {
     Spectrum(Vec<[f64; 2]>),
 }
 
+impl Absorption {
+    /// The largest in 1/mm, of any colour or wavelength.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Absorption::Grey(sigma) => *sigma,
+            Absorption::Rgb(sigmas) => sigmas.iter().copied().fold(0.0, f64::max),
+            Absorption::Spectrum(points) => points.iter().map(|[_, sigma]| *sigma).fold(0.0, f64::max),
+        }
+    }
+}
+
 /// Why kinds of fiber have no common channels.
 #[derive(Debug)]
 pub(super) struct Clash {

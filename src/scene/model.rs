@@ -184,6 +184,16 @@ impl Model {
         model
     }
 
+    /// Whether it sends straight rays through realizations.
+    pub fn wants_rays(&self) -> bool {
+        self.direct == Direct::Straight || self.first_hit == FirstHit::Fibers
+    }
+
+    /// The same with first hits and direct light of the medium's own.
+    pub fn without_rays(self) -> Model {
+        Model { direct: Direct::Walks, first_hit: FirstHit::Medium, ..self }
+    }
+
     /// Choose the placement and the memory that are not asked for: in a cloth of yarns, those that come nearest to its fibers.
     pub(crate) fn settle(&mut self) {
         if !self.placement_chosen {

@@ -29,6 +29,13 @@ pub struct Fiber {
     pub absorption: Absorption,
 }
 
+impl Fiber {
+    /// Whether the light that crosses its middle keeps less than 1/e, in the colour of which it keeps least.
+    pub fn opaque(&self) -> bool {
+        2.0 * self.radius * self.absorption.largest() > 1.0
+    }
+}
+
 /// Directions of a population of fibers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Orientation {

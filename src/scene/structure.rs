@@ -4,7 +4,7 @@ use super::knit::{Knit, read_knit};
 use super::reader::Table;
 use super::sheet::{Fiber, MAX_KINDS, Sheet, read_sheet};
 use super::weave::{Weave, read_weave};
-use super::yarn::read_yarns;
+use super::yarn::{Yarn, read_yarns};
 use crate::error::Result;
 use std::path::Path;
 
@@ -36,7 +36,7 @@ impl Structure {
             Structure::Weave(weave) => &weave.yarns,
             Structure::Knit(knit) => std::slice::from_ref(&knit.yarn),
         };
-        yarns.iter().all(|yarn| yarn.ply_twist == 0.0 && yarn.twist == 0.0 && yarn.flyaways.is_none())
+        yarns.iter().all(Yarn::untwisted)
     }
 
     /// Cells of the grid of directions where the file does not say. Filaments without twist lie in a few directions, which cost

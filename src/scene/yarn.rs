@@ -66,6 +66,11 @@ impl Yarn {
         self.flyaways.map_or(0.0, |flyaways| flyaways.reach(climb))
     }
 
+    /// Whether all its fibers run along it, without twist.
+    pub fn untwisted(&self) -> bool {
+        self.ply_twist == 0.0 && self.twist == 0.0 && self.flyaways.is_none()
+    }
+
     /// Number of fibers.
     pub fn fibers(&self) -> usize {
         self.plies as usize * self.fibers_per_ply as usize

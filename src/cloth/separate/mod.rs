@@ -15,6 +15,8 @@
 //!
 //! The result is a function of the fibers alone: each corner adds up what it is asked for in a fixed order.
 //!
+//! Where two fibers are caught in each other, though there is room for all, they are laid anew ([`Realizer`](super::Realizer)).
+//!
 //! Differs from position-based dynamics:
 //! - All contacts are looked at in one step and averaged, where the paper goes from one to the next: so the work can be
 //!   shared out, and no order is preferred.
@@ -32,7 +34,7 @@ mod neighbours;
 mod relax;
 
 use super::realization::Realization;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use chains::Chains;
 use covered::covered;
 use glam::DVec3;
@@ -57,34 +59,50 @@ pub struct Separation {
     pub sweeps: u32,
 }
 
+impl Separation {
+    /// Whether fibers are as separate as they are to be.
+    pub fn reached(&self) -> bool {
+        self.penetration <= TOLERANCE && self.fills()
+    }
+
+    /// Whether fibers have found room, but for a few that may be caught in each other.
+    pub(super) fn fills(&self) -> bool {
+        self.covered >= COVERED
+    }
+}
+
 impl Realization {
     /// Push fibers apart until none runs deeper into another than 2 % of the sum of their radii, and together they cover
-    /// 0.995 of their volume or more. They get more corners.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with the overlap that is left when that takes more than 400 sweeps: fibers are too dense.
-    pub fn separate(&mut self) -> Result<Separation> {
+    /// 0.995 of their volume or more. They get more corners, and stay as they were when that takes more than 400 sweeps.
+    pub(super) fn push_apart(&mut self) -> Separation {
         if self.fibers.is_empty() {
-            return Ok(Separation { penetration: 0.0, covered: 1.0, sweeps: 0 });
+            return Separation { penetration: 0.0, covered: 1.0, sweeps: 0 };
         }
         let fibers = self.fibers.iter().map(|fiber| (fiber.points.as_slice(), fiber.radius));
         let mut chains = Chains::new(fibers, self.period, self.thickness);
         let (sweeps, penetration) = relax(&mut chains, TOLERANCE, SWEEPS);
         let covered = covered(&chains, &Neighbours::new(&chains));
-        if penetration > TOLERANCE || covered < COVERED {
-            return Err(Error::Input(format!(
-                "the fibers fill {:.2} of the cloth and cannot be laid apart: after {sweeps} sweeps two of them still run {:.0} % \
-                 of a diameter into each other, and all together cover {covered:.4} of their volume; allowed: {:.0} %, \
-                 {COVERED}. Give the yarns more room or take fewer fibers, or packing = \"random\"",
-                self.volume_fraction(),
-                100.0 * penetration,
-                100.0 * TOLERANCE,
-            )));
+        let separation = Separation { penetration, covered, sweeps };
+        if separation.reached() {
+            for (index, fiber) in self.fibers.iter_mut().enumerate() {
+                fiber.points = chains.of(index).to_vec();
+            }
         }
-        for (index, fiber) in self.fibers.iter_mut().enumerate() {
-            fiber.points = chains.of(index).to_vec();
-        }
-        Ok(Separation { penetration, covered, sweeps })
+        separation
+    }
+
+    /// Why its fibers are refused.
+    pub(super) fn refusal(&self, left: &Separation) -> Error {
+        Error::Input(format!(
+            "the fibers fill {:.2} of the cloth and cannot be laid apart: after {} sweeps two of them still run {:.0} % of a \
+             diameter into each other, and all together cover {:.4} of their volume; allowed: {:.0} %, {COVERED}. Give the yarns \
+             more room or take fewer fibers, or packing = \"random\"",
+            self.volume_fraction(),
+            left.sweeps,
+            100.0 * left.penetration,
+            left.covered,
+            100.0 * TOLERANCE,
+        ))
     }
 
     /// Σ π R² ℓ over the volume of the element: the share of it that is fiber, if none overlap.

@@ -8,6 +8,8 @@ pub(super) const USUAL_EDGE: f64 = 4.0;
 /// p of cells in spun yarns and in filaments.
 const SPUN: f64 = 4.0;
 const FILAMENTS: f64 = 3.0;
+/// The same of fibers that were pushed apart.
+const APART: [f64; 2] = [3.3, 2.5];
 
 /// E² as shares of the scattered light: E² = floor² + cells² (edge/4)ᵖ. Cells that are cut where fibers end err by the square of their
 /// edge, p = 4, in spun yarns; those of filaments, whose rims are sharp, by a little less, p = 3. The floor is that of directions
@@ -52,22 +54,25 @@ impl Belief {
         }
         let opaque = scene.kinds().iter().any(|kind| scene.fibers[*kind].opaque());
         let untwisted = scene.structure.untwisted();
-        let (cells, power) = match (untwisted, opaque) {
+        // Cells of separate fibers are not cut where fibers end.
+        let (cells, power) = match (scene.model.packing, untwisted, opaque) {
+            // Gabardine, jersey, linen, muslin, rib, sheer, voile; charmeuse, lining.
+            (Packing::Separate, false, _) => ([0.022, 0.010], APART[0]),
+            (Packing::Separate, true, _) => ([0.080, 0.020], APART[1]),
             // Spun yarns: denim, gabardine, jersey, linen, muslin, rib, sheer, voile.
-            (false, _) => ([0.009, 0.002], SPUN),
+            (Packing::Random, false, _) => ([0.009, 0.002], SPUN),
             // Filaments without twist: charmeuse, lining.
-            (true, false) => ([0.024, 0.003], FILAMENTS),
+            (Packing::Random, true, false) => ([0.024, 0.003], FILAMENTS),
             // Such as are opaque: dimout.
-            (true, true) => ([0.0145, 0.003], FILAMENTS),
+            (Packing::Random, true, true) => ([0.0145, 0.003], FILAMENTS),
         };
-        let floor = match (scene.model.packing, scene.model.memory) {
-            (Packing::Separate, _) => [0.035, 0.015],
-            (Packing::Random, Memory::None) => [0.030, 0.008],
-            (Packing::Random, Memory::Flight) => match (untwisted, opaque) {
-                (false, _) => [0.0118, 0.0013],
-                (true, false) => [0.0138, 0.0011],
-                (true, true) => [0.021, 0.002],
-            },
+        let floor = match (scene.model.packing, scene.model.memory, untwisted, opaque) {
+            (Packing::Separate, _, false, _) => [0.025, 0.009],
+            (Packing::Separate, _, true, _) => [0.080, 0.040],
+            (Packing::Random, Memory::None, _, _) => [0.030, 0.008],
+            (Packing::Random, Memory::Flight, false, _) => [0.0118, 0.0013],
+            (Packing::Random, Memory::Flight, true, false) => [0.0138, 0.0011],
+            (Packing::Random, Memory::Flight, true, true) => [0.021, 0.002],
         };
         Belief::new(floor, cells, power)
     }

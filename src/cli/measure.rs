@@ -84,7 +84,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MEMORY")]
     memory: Option<String>,
     /// Cells of the repeat of a weave or a knit along x, y and z, such as 24x24x8 [default: edges of two fiber radii, 1.4 of
-    /// opaque filaments without twist, at most 2^20 cells]
+    /// filaments without twist, opaque ones beside others, at most 2^20 cells]
     #[arg(long, value_name = "CELLS")]
     cells: Option<String>,
     /// Cells of the grid of fiber directions, a square number [default: 1024 of sheets, 4096 of

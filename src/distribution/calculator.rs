@@ -9,13 +9,13 @@ use super::sheet::SpecificLength;
 use super::voids::{VoidCount, VoidSums, Voids};
 use crate::cloth::{Cloth, Realization, Realizer};
 use crate::error::{Error, Result};
-use crate::scene::{Model, Placement, Yarn};
+use crate::scene::{Model, Placement, Yarn, dark_beside_light};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// Edge of a cell in radii of the thinnest fiber where the file does not say, and that of filaments without twist of which some are
-/// opaque: light comes between these alone, and the rims of such yarns are sharp.
+/// Edge of a cell in radii of the thinnest fiber where the file does not say, and that of filaments without twist, opaque ones beside
+/// others: light passes the opaque ones only between them, and the rims of such yarns are sharp.
 const EDGE: f64 = 2.0;
 const FINER_EDGE: f64 = 1.4;
 /// Largest width of a direction list in shares of the distance of two yarns and of the thickness: fibers of a twisted yarn
@@ -238,12 +238,12 @@ pub fn cells_of_edge(cloth: &Cloth, edge: f64) -> [u32; 3] {
     cloth.size().to_array().map(|size| ((size / edge).ceil() as u32).clamp(1, MOST_ALONG))
 }
 
-/// Edge of a cell in mm where the file does not say: two radii of the thinnest fiber, 1.4 of filaments without twist of which some
-/// are opaque, more where that would be too many cells.
+/// Edge of a cell in mm where the file does not say: two radii of the thinnest fiber, 1.4 of filaments without twist, opaque ones
+/// beside others, more where that would be too many cells.
 pub fn usual_edge(cloth: &Cloth) -> f64 {
     let filaments = cloth.yarns().iter().all(Yarn::untwisted);
-    let opaque = cloth.used_kinds().iter().any(|kind| cloth.kinds()[*kind].opaque());
-    let mut edge = thinnest_radius(cloth) * if filaments && opaque { FINER_EDGE } else { EDGE };
+    let dark = dark_beside_light(cloth.kinds(), &cloth.used_kinds());
+    let mut edge = thinnest_radius(cloth) * if filaments && dark { FINER_EDGE } else { EDGE };
     while cells_of_edge(cloth, edge).iter().map(|count| *count as usize).product::<usize>() > MOST_CELLS {
         edge *= 1.1;
     }

@@ -245,7 +245,7 @@ pub fn short(number: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Source;
+    use crate::scene::{Absorption, Source};
 
     fn scene(name: &str) -> Scene {
         Scene::parse(&Source::find(name).expect("a preset")).expect("it is fine")
@@ -281,6 +281,25 @@ mod tests {
         let sheet = Configuration::of(&felt, &extent);
         assert_eq!(sheet.name(), "at-hit 1024d");
         assert_eq!((sheet.halved(&extent), sheet.coned(5.0)), (None, sheet));
+    }
+
+    #[test]
+    fn opaque_filaments_beside_others_have_finer_cells() {
+        let edge = |scene: &Scene| {
+            Extent::of(scene).expect("it can be laid out").usual_edge().expect("yarns have cells").mul_add(10.0, 0.5)
+                as u32
+        };
+        let black = |name: &str| {
+            let mut scene = scene(name);
+            scene.fibers.iter_mut().for_each(|fiber| fiber.absorption = Absorption::Grey(400.0));
+            scene
+        };
+        assert_eq!(edge(&scene("dimout")), 14);
+        // Filaments all black, or such as some light crosses in some colour, and twisted fibers.
+        let mut dyed = scene("dimout");
+        dyed.fibers.iter_mut().for_each(|fiber| fiber.absorption = Absorption::Rgb([1.0, 2.0, 400.0]));
+        let coarser = [black("dimout"), dyed, scene("lining"), black("linen")];
+        assert_eq!(coarser.map(|scene| edge(&scene)), [20; 4]);
     }
 
     #[test]

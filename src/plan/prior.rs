@@ -1,6 +1,6 @@
 //! What is known of the error of a medium before it is tried: measurements on the cloths of docs/medium.md.
 
-use crate::scene::{Memory, Packing, Scene, Structure};
+use crate::scene::{Memory, Packing, Scene, Structure, dark_beside_light};
 
 /// Edge, in radii of the thinnest fiber, at which the error of cells is told.
 pub(super) const USUAL_EDGE: f64 = 4.0;
@@ -52,10 +52,10 @@ impl Belief {
         if let Structure::Sheet(_) = &scene.structure {
             return Belief::new([0.005, 0.005], [0.0, 0.0], SPUN);
         }
-        let opaque = scene.kinds().iter().any(|kind| scene.fibers[*kind].opaque());
+        let dark = dark_beside_light(&scene.fibers, &scene.kinds());
         let untwisted = scene.structure.untwisted();
         // Cells of separate fibers are not cut where fibers end.
-        let (cells, power) = match (scene.model.packing, untwisted, opaque) {
+        let (cells, power) = match (scene.model.packing, untwisted, dark) {
             // Gabardine, jersey, linen, muslin, rib, sheer, voile; charmeuse, lining.
             (Packing::Separate, false, _) => ([0.022, 0.010], APART[0]),
             (Packing::Separate, true, _) => ([0.080, 0.020], APART[1]),
@@ -63,10 +63,10 @@ impl Belief {
             (Packing::Random, false, _) => ([0.009, 0.002], SPUN),
             // Filaments without twist: charmeuse, lining.
             (Packing::Random, true, false) => ([0.024, 0.003], FILAMENTS),
-            // Such as are opaque: dimout.
+            // Opaque ones beside others: dimout.
             (Packing::Random, true, true) => ([0.0145, 0.003], FILAMENTS),
         };
-        let floor = match (scene.model.packing, scene.model.memory, untwisted, opaque) {
+        let floor = match (scene.model.packing, scene.model.memory, untwisted, dark) {
             (Packing::Separate, _, false, _) => [0.025, 0.009],
             (Packing::Separate, _, true, _) => [0.080, 0.040],
             (Packing::Random, Memory::None, _, _) => [0.030, 0.008],

@@ -28,12 +28,12 @@ pub enum Absorption {
 }
 
 impl Absorption {
-    /// The largest in 1/mm, of any colour or wavelength.
-    pub fn largest(&self) -> f64 {
+    /// The least in 1/mm, of any colour or wavelength.
+    pub fn least(&self) -> f64 {
         match self {
             Absorption::Grey(sigma) => *sigma,
-            Absorption::Rgb(sigmas) => sigmas.iter().copied().fold(0.0, f64::max),
-            Absorption::Spectrum(points) => points.iter().map(|[_, sigma]| *sigma).fold(0.0, f64::max),
+            Absorption::Rgb(sigmas) => sigmas.iter().copied().fold(f64::INFINITY, f64::min),
+            Absorption::Spectrum(points) => points.iter().map(|[_, sigma]| *sigma).fold(f64::INFINITY, f64::min),
         }
     }
 }

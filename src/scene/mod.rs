@@ -31,7 +31,7 @@ pub use measure::{Incident, Measure, Side};
 pub use model::{Direct, FirstHit, Medium, Memory, Model, Packing, Placement, Tracking};
 pub use presets::PRESETS;
 pub use reader::closest;
-pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers};
+pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers, dark_beside_light};
 pub use structure::Structure;
 pub use weave::Weave;
 pub use yarn::{RadialProfile, Yarn};

@@ -30,10 +30,16 @@ pub struct Fiber {
 }
 
 impl Fiber {
-    /// Whether the light that crosses its middle keeps less than 1/e, in the colour of which it keeps least.
+    /// Whether the light that crosses its middle keeps less than 1/e in every colour.
     pub fn opaque(&self) -> bool {
-        2.0 * self.radius * self.absorption.largest() > 1.0
+        2.0 * self.radius * self.absorption.least() > 1.0
     }
+}
+
+/// Whether some of these kinds of fiber are opaque and others are not.
+pub fn dark_beside_light(fibers: &[Fiber], kinds: &[usize]) -> bool {
+    let opaque = |kind: &&usize| fibers[**kind].opaque();
+    (1..kinds.len()).contains(&kinds.iter().filter(opaque).count())
 }
 
 /// Directions of a population of fibers.

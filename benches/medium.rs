@@ -19,7 +19,7 @@ use fiberwalk::bsdf::{Totals, block_noise, distance, totals};
 use fiberwalk::error::Result;
 use fiberwalk::goniometer::Tally;
 use fiberwalk::plan::{BLOCKS, Configuration, Extent, Trial};
-use fiberwalk::scene::{PRESETS, Packing, Placement, Scene, Source, Structure};
+use fiberwalk::scene::{PRESETS, Packing, Placement, Scene, Source};
 use std::time::Instant;
 
 /// Incident directions (θ, φ) in degrees, none in a plane in which yarns lie: there filaments send light along edges of exit
@@ -96,9 +96,9 @@ fn study(name: &str, word: &str, packing: Packing, [walks, few]: [u64; 2], named
         return Ok(());
     }
     let usual = Configuration::of(&scene, &extent);
-    let sheet = matches!(scene.structure, Structure::Sheet(_));
-    let placements = if named("short") && !sheet { Vec::new() } else { by_placement(usual, sheet) };
-    let edges = if sheet { Vec::new() } else { by_edge(usual) };
+    // A sheet has no cells, and its default is among the placements.
+    let edges = usual.edge.map_or_else(Vec::new, |edge| by_edge(usual, edge));
+    let placements = if named("short") && !edges.is_empty() { Vec::new() } else { by_placement(usual) };
     for configuration in placements.into_iter().chain(edges) {
         match row(configuration) {
             Ok(line) => println!("{label} | {} {line}", configuration.name()),
@@ -109,16 +109,15 @@ fn study(name: &str, word: &str, packing: Packing, [walks, few]: [u64; 2], named
 }
 
 /// Media by placement and edge, with first hits of their own.
-fn by_placement(usual: Configuration, sheet: bool) -> Vec<Configuration> {
-    let paper = usual.without_rays();
-    let edges = |placement| EDGES.map(|edge| paper.placed(placement).edged(edge));
-    if sheet { PLACEMENTS.map(|placement| paper.placed(placement)).to_vec() } else { PLACEMENTS.map(edges).concat() }
+fn by_placement(usual: Configuration) -> Vec<Configuration> {
+    let placed = PLACEMENTS.map(|placement| usual.without_rays().placed(placement));
+    if usual.edge.is_none() { placed.to_vec() } else { placed.map(|one| EDGES.map(|edge| one.edged(edge))).concat() }
 }
 
 /// The default with first hits on fibers by edge, and the finest.
-fn by_edge(usual: Configuration) -> Vec<Configuration> {
-    let coarser = |edge: &f64| usual.edge.is_none_or(|usual| *edge > NEAR * usual);
-    let mut all: Vec<Configuration> = EDGES.into_iter().filter(coarser).map(|edge| usual.edged(edge)).collect();
+fn by_edge(usual: Configuration, edge: f64) -> Vec<Configuration> {
+    let coarser = EDGES.into_iter().filter(|coarser| *coarser > NEAR * edge);
+    let mut all: Vec<Configuration> = coarser.map(|edge| usual.edged(edge)).collect();
     let finest = usual.edged(FINEST).directed(16384);
     all.extend([usual, finest]);
     all.dedup_by_key(|configuration| configuration.name());

@@ -98,14 +98,15 @@ impl Realizer {
         match self.packing {
             Packing::Random => Ok(self.lay(0, number)),
             Packing::Separate => {
-                let kept = self.kept.as_deref().map(|kept| move || kept.lock().unwrap_or_else(PoisonError::into_inner));
-                if let Some(known) = kept.as_ref().and_then(|kept| kept().realizations.get(&number).cloned()) {
+                let Some(kept) = &self.kept else { return Ok(self.draw_separate(number)?.0) };
+                let kept = || kept.lock().unwrap_or_else(PoisonError::into_inner);
+                // Others may draw meanwhile: hold no lock.
+                let known = kept().realizations.get(&number).cloned();
+                if let Some(known) = known {
                     return Ok(Realization::clone(&known));
                 }
                 let drawn = self.draw_separate(number)?.0;
-                if let Some(kept) = kept {
-                    kept().keep(number, &drawn);
-                }
+                kept().keep(number, &drawn);
                 Ok(drawn)
             }
         }

@@ -125,7 +125,8 @@ pub fn prepare_from(scene: &Scene, realizer: Option<&Realizer>, progress: impl F
             (length, None, None)
         }
         Structure::Weave(_) | Structure::Knit(_) => {
-            let cloth = Cloth::new(scene)?;
+            let laid_out = realizer.and_then(Realizer::yarns).cloned();
+            let cloth = laid_out.map_or_else(|| Cloth::new(scene), Ok)?;
             let realizer = realizer.cloned().unwrap_or_else(|| Realizer::of_yarns(cloth.clone(), packing));
             let draw = |number| {
                 let realization = realizer.draw(number)?;

@@ -16,8 +16,6 @@ pub fn isotropic_kind(radius_um: f64, length_density: f64, absorption: &str) -> 
     Kind { radius_um, ior: 1.5, absorption: absorption.into(), length_density, orientation: ISOTROPIC.into() }
 }
 
-// ---- Sheets of aligned, dyed fibers against brute force ----
-
 /// A sheet as a brute-force simulation sees it, its light, and the cloth file that says the same.
 pub fn dyed_cloth(sheet: &DyedSheet, angles: [f64; 2]) -> Cloth {
     let orientation = |bundle: &DyedBundle| aligned(bundle.axis.to_array());

@@ -91,7 +91,7 @@ fn dyes_that_are_five_percent_off_change_fate_and_light() {
     assert!(moved > 5e-4 && light > 5e-4, "{moved:.1e} of the walks and {light:.1e} of the light differ");
 }
 
-// ---- Error bars ----
+// ---- Cuts of the work ----
 
 #[test]
 fn the_light_does_not_depend_on_how_the_work_is_cut() {

@@ -128,5 +128,3 @@ fn error_bars_of_single_exit_cells_of_fewer_walks_are_too_wide() {
         assert!((ratio - 1.0).abs() > GATE * error, "mean {mean:.1e}: {ratio:.3} ± {error:.3}");
     }
 }
-
-// ---- Cuts of the work ----

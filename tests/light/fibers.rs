@@ -173,5 +173,3 @@ fn two_kinds_of_slightly_other_index_are_not() {
         assert!(largest(&z) > GATE, "{name}: z = {z:.1?}");
     }
 }
-
-// ---- Fixed point and roulette ----

@@ -4,7 +4,7 @@
 //! The files at fault stay in the folder that is named. Prints how many were tried and taken, the longest time that one
 //! took, and the peak memory of the process.
 
-#[path = "../tests/wif_files/mod.rs"]
+#[path = "../tests/common/wif_files/mod.rs"]
 mod wif_files;
 
 use fiberwalk::measure::peak_bytes;

@@ -14,7 +14,7 @@
 //!
 //! The period is 250 radii of the thickest fiber, or more where the element would have few pieces. A ray of a general
 //! direction that has met a fiber hardly meets an image of it: straight light comes through as through fibers that are all
-//! independent, at 60° through a sheet 1.2 periods thick as well (`tests/webs.rs`). Steep fibers of exactly one
+//! independent, at 60° through a sheet 1.2 periods thick as well (`tests/cloth/webs.rs`). Steep fibers of exactly one
 //! direction, seen along the plane of it and x or y, are an exception: their images stand behind each other.
 //!
 //! Differs from the paper: it has no sheets.

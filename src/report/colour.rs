@@ -15,7 +15,7 @@ const BANDS: [[f64; 2]; 3] = [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]];
 ///
 /// A crossing keeps ω = exp(−σ·πR/2) of the light, with the mean chord πR/2 of a fiber seen from the side; a pile reflects
 /// (1 − s)/(1 + s) with s = √((1 − ω)/(1 − gω)), the two-stream solution with the forward cosine g = 0.76. That comes
-/// within a tenth of what walks through 3 mm of planar fibers of index 1.55 find, from 0.07 to 0.75 (`tests/picture.rs`).
+/// within a tenth of what walks through 3 mm of planar fibers of index 1.55 find, from 0.07 to 0.75 (`tests/cloth/picture.rs`).
 /// A spectrum is averaged over 400 to 500, 500 to 600 and 600 to 700 nm: rough, and no colorimetry. A fiber that does not
 /// absorb is white.
 pub fn pile(fiber: &Fiber) -> Colour {

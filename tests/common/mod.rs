@@ -4,10 +4,12 @@
 pub mod cells;
 pub mod counted;
 pub mod probes;
+pub mod program;
 pub mod sheet;
 pub mod stats;
 pub mod straight;
 pub mod tracer;
+pub mod wif_files;
 pub mod woven;
 
 use fiberwalk::goniometer::Tally;

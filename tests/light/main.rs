@@ -1,10 +1,28 @@
-//! The account of light: dyes and kinds of fiber, fixed point and roulette, in both engines.
+//! Light: optics, walks, tallies and what is made of them, in every engine.
 
 #[path = "../common/mod.rs"]
 mod common;
 
-mod closed_forms;
-mod cloths;
-mod engines;
-mod error_bars;
-mod fibers;
+mod account;
+mod bases;
+mod calculator_light;
+mod cell_functions;
+mod compare;
+mod distance;
+mod explicit;
+mod first_hits;
+mod hot_spot;
+mod knit_light;
+mod layout;
+mod lockstep;
+mod physics;
+mod placements;
+mod plan;
+mod planner;
+mod primitives;
+mod shaders_valid;
+mod sides;
+mod stability;
+mod statistics;
+mod tally;
+mod tracking;

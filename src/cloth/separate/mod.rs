@@ -21,7 +21,7 @@
 //! - All contacts are looked at in one step and averaged, where the paper goes from one to the next: so the work can be
 //!   shared out, and no order is preferred.
 //! - Nothing holds the length of a piece or the bend at a corner: fibers move across themselves, and little. Yarns of
-//!   voile spread by 5 % and their fibers get 0.8 % longer (`tests/packing.rs`).
+//!   voile spread by 5 % and their fibers get 0.8 % longer (`tests/cloth/packing.rs`).
 //! - Lists of neighbours are made anew after six sweeps at the earliest. A contact may be missed meanwhile, but the end is
 //!   decided on fresh lists with exact distances.
 //! - Ends that face each other, as where a thread is cut, do not touch within two radii. Neither do pieces of one fiber that

@@ -1,0 +1,15 @@
+//! The built program: commands, files, bad input, other programs that read what it writes; and the structure of its source.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod chart;
+mod cli;
+mod exports;
+mod floors;
+mod knit_hairs;
+mod memory;
+mod robustness;
+mod wif;
+mod wif_errors;
+mod woven_input;

@@ -1,6 +1,6 @@
 //! Which presets can be laid with separate fibers, and what it takes: `cargo bench --bench packing -- [PRESET …]`.
 
-use fiberwalk::cloth::{Cloth, Realization, Realizer};
+use fiberwalk::cloth::{Cloth, DrawnFor, Realization, Realizer};
 use fiberwalk::scene::{PRESETS, Packing, Scene, Source};
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for (name, _) in PRESETS.iter().filter(|(name, _)| named.is_empty() || named.iter().any(|word| word == name)) {
         let scene = Scene::parse(&Source::find(name).expect("it is a preset")).expect("it is right");
-        let random = Realizer::new(&scene, Packing::Random).expect("it can be laid out");
+        let random = Realizer::new(&scene, Packing::Random, DrawnFor::Medium).expect("it can be laid out");
         let before = random.draw(0).expect("nothing is refused");
         let densest = Cloth::new(&scene).map_or("-".into(), |cloth| format!("{:.2}", cloth.statistics().densest));
         let start = Instant::now();

@@ -53,6 +53,10 @@ pub struct Arguments {
     /// The chart as JSON on stdout, no notes and no progress
     #[arg(long)]
     json: bool,
+    /// How fibers are laid: random, where they may overlap, or separate, where they do not [default: that of the file; of sheets
+    /// separate, of yarns random]
+    #[arg(long, value_name = "PACKING")]
+    packing: Option<String>,
     /// Incident directions: a list such as "[[30, 0], [60, 0]]" (theta, phi in degrees), or N of the disc basis [default: those
     /// of the file if it lists some, else four]
     #[arg(long, value_name = "BASIS", allow_hyphen_values = true)]
@@ -122,7 +126,11 @@ impl Arguments {
             scene.measure.set_from_flag("incident", basis)?;
         }
         scene.measure.set_from_flag("exit", self.exit.as_deref().unwrap_or(EXIT))?;
+        if let Some(packing) = &self.packing {
+            scene.model.set_from_flag("packing", packing)?;
+        }
         scene.model.medium = Medium::Implicit;
+        scene.model.seed = self.seed;
         Ok(scene)
     }
 }

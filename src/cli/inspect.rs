@@ -4,12 +4,12 @@ mod woven;
 mod yarns;
 
 use super::{one_line, print};
-use fiberwalk::cloth::{FiberGrid, Realizer};
+use fiberwalk::cloth::{DrawnFor, FiberGrid, Realizer};
 use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
 use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
+use fiberwalk::scene::{Model, Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
@@ -172,9 +172,10 @@ fn results(scene: &Scene, prepared: &Prepared) -> String {
 /// The size of the tables, and that of a realization of the fibers that the explicit model would use in their place; its
 /// fibers are laid at random, which does not change their number.
 fn beside_fibers(scene: &Scene, prepared: &Prepared) -> Result<String> {
+    let random = Model { packing: Packing::Random, ..scene.model };
     let realizer = match &prepared.cloth {
-        Some(cloth) => Realizer::of_yarns(cloth.clone(), Packing::Random),
-        None => Realizer::new(scene, Packing::Random)?,
+        Some(cloth) => Realizer::of_yarns(cloth.clone(), &random, DrawnFor::Fibers),
+        None => Realizer::new(scene, random.packing, DrawnFor::Fibers)?,
     };
     let drawn = realizer.draw(0)?;
     let [pieces, grid] = FiberGrid::of(&drawn)?.bytes();

@@ -12,7 +12,7 @@ use fiberwalk::measure::{
     prepare_with, run as measure,
 };
 use fiberwalk::results::{ResultFolder, TALLY};
-use fiberwalk::scene::{Medium, Packing, Scene, Source};
+use fiberwalk::scene::{Medium, Scene, Source};
 use fiberwalk::walk::Walker;
 use fiberwalk::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -220,13 +220,19 @@ impl Arguments {
         };
         self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), ready.stop);
         let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, ready.stop, started)?;
-        // Separate fibers take too long to draw for a glance.
-        if scene.model.packing == Packing::Random {
-            match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
-                Ok(against) => measurement.against = against,
-                // The measurement is worth more than the glance.
-                Err(error) => eprintln!("{}", one_line(&format!("not held against the fibers: {error}"))),
+        let untold = match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
+            Ok(Some(against)) => {
+                measurement.against = Some(against);
+                None
             }
+            Ok(None) => {
+                Some("separate ones take too long to be drawn for so many walks; --model explicit draws them".into())
+            }
+            // The measurement is worth more than the glance.
+            Err(error) => Some(error.to_string()),
+        };
+        if let Some(why) = untold.filter(|_| !self.quiet) {
+            eprintln!("{}", one_line(&format!("not held against the fibers: {why}")));
         }
         Ok(measurement)
     }
@@ -297,6 +303,7 @@ impl Arguments {
 
     /// Let the flags have their way over the file.
     fn apply(&self, mut scene: Scene) -> Result<Scene> {
+        scene.model.seed = self.seed;
         let implicit = [
             ("tracking", &self.tracking),
             ("placement", &self.placement),

@@ -26,6 +26,7 @@
 //!   there its fibers jump.
 
 mod curves;
+mod draws;
 mod flyaways;
 mod grid;
 mod knit;
@@ -43,9 +44,10 @@ mod web;
 mod woven;
 
 pub use curves::Curve;
+pub use draws::DrawnFor;
 pub use grid::{FiberGrid, Way, Work};
 pub use realization::{Primitive, Realization};
-pub use realizer::{Realizer, SEED};
+pub use realizer::Realizer;
 pub use repeat::{Cloth, System, Thread};
 pub use separate::Separation;
 pub use statistics::{Shape, Statistics};

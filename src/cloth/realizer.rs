@@ -1,12 +1,13 @@
 //! Realizations of any cloth, one after the other.
 
 use super::curves::Curve;
+use super::draws::DrawnFor;
 use super::realization::Realization;
 use super::repeat::Cloth;
 use super::separate::Separation;
 use super::web::Web;
 use crate::error::Result;
-use crate::scene::{Packing, Scene, Structure};
+use crate::scene::{Model, Packing, Scene, Structure};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,8 +15,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Most memory in bytes of the realizations that a realizer keeps.
 const MOST_KEPT: usize = 1 << 30;
 
-/// Seed of the fibers: they do not depend on the seed of the walks.
-pub const SEED: u64 = 0;
 /// Most draws of separate fibers, of which one that succeeds is taken.
 const ATTEMPTS: u64 = 3;
 
@@ -24,6 +23,8 @@ const ATTEMPTS: u64 = 3;
 pub struct Realizer {
     element: Element,
     packing: Packing,
+    seed: u64,
+    drawn_for: DrawnFor,
     kept: Option<Arc<Mutex<Kept>>>,
 }
 
@@ -42,22 +43,28 @@ enum Element {
 }
 
 impl Realizer {
-    /// Lay out a scene.
+    /// Lay out a scene, to draw realizations of its seed for a user.
     ///
     /// # Errors
     /// [`Error::Input`](crate::Error::Input) when a realization would have too many pieces, or the loops of a knit do not
     /// fit.
-    pub fn new(scene: &Scene, packing: Packing) -> Result<Realizer> {
+    pub fn new(scene: &Scene, packing: Packing, drawn_for: DrawnFor) -> Result<Realizer> {
         let element = match &scene.structure {
             Structure::Sheet(sheet) => Element::Web(Web::new(sheet, &scene.fibers)?),
             Structure::Weave(_) | Structure::Knit(_) => Element::Yarns(Box::new(Cloth::new(scene)?)),
         };
-        Ok(Realizer { element, packing, kept: None })
+        Ok(Realizer { element, packing, seed: scene.model.seed, drawn_for, kept: None })
     }
 
-    /// Of a cloth of yarns that is laid out.
-    pub fn of_yarns(cloth: Cloth, packing: Packing) -> Realizer {
-        Realizer { element: Element::Yarns(Box::new(cloth)), packing, kept: None }
+    /// Of a cloth of yarns that is laid out, with the packing and the seed of a model.
+    pub fn of_yarns(cloth: Cloth, model: &Model, drawn_for: DrawnFor) -> Realizer {
+        let Model { packing, seed, .. } = *model;
+        Realizer { element: Element::Yarns(Box::new(cloth)), packing, seed, drawn_for, kept: None }
+    }
+
+    /// The same cloth and what is kept of it, to draw for another user.
+    pub fn for_user(&self, drawn_for: DrawnFor) -> Realizer {
+        Realizer { drawn_for, ..self.clone() }
     }
 
     /// Draw a realization of separate fibers, which takes long, only once, and keep it for the next that asks this realizer or a
@@ -71,6 +78,14 @@ impl Realizer {
         match &self.element {
             Element::Yarns(cloth) => Some(cloth),
             Element::Web(_) => None,
+        }
+    }
+
+    /// Straight pieces that a realization has, about.
+    pub fn expected_pieces(&self) -> usize {
+        match &self.element {
+            Element::Yarns(cloth) => cloth.expected_pieces(),
+            Element::Web(web) => web.expected_pieces(),
         }
     }
 
@@ -90,7 +105,7 @@ impl Realizer {
         }
     }
 
-    /// Draw a realization, a function of its number alone.
+    /// Draw a realization, a function of the seed, the user and its number among those of the user.
     ///
     /// # Errors
     /// [`Error::Input`](crate::Error::Input) when fibers are to be separate and cannot be.
@@ -101,12 +116,13 @@ impl Realizer {
                 let Some(kept) = &self.kept else { return Ok(self.draw_separate(number)?.0) };
                 let kept = || kept.lock().unwrap_or_else(PoisonError::into_inner);
                 // Others may draw meanwhile: hold no lock.
-                let known = kept().realizations.get(&number).cloned();
+                let key = self.drawn_for.number(number, 0);
+                let known = kept().realizations.get(&key).cloned();
                 if let Some(known) = known {
                     return Ok(Realization::clone(&known));
                 }
                 let drawn = self.draw_separate(number)?.0;
-                kept().keep(number, &drawn);
+                kept().keep(key, &drawn);
                 Ok(drawn)
             }
         }
@@ -134,9 +150,10 @@ impl Realizer {
 
     /// Lay fibers independently.
     fn lay(&self, attempt: u64, number: u64) -> Realization {
+        let number = self.drawn_for.number(number, attempt);
         match &self.element {
-            Element::Yarns(cloth) => cloth.draw(SEED + attempt, number),
-            Element::Web(web) => web.draw(SEED + attempt, number),
+            Element::Yarns(cloth) => cloth.draw(self.seed, number),
+            Element::Web(web) => web.draw(self.seed, number),
         }
     }
 }
@@ -161,7 +178,7 @@ mod tests {
     fn separate_fibers_are_drawn_once_and_others_are_not_kept() {
         let source = Source::find("sheer").expect("it is a preset");
         let scene = Scene::parse(&source).expect("it is right");
-        let keeping = |packing| Realizer::new(&scene, packing).expect("it can be laid out").keeping();
+        let keeping = |packing| Realizer::new(&scene, packing, DrawnFor::Medium).expect("it can be laid out").keeping();
         let kept = |realizer: &Realizer| {
             let kept = realizer.kept.as_ref().expect("it keeps").lock().expect("nobody failed");
             (kept.realizations.keys().copied().collect::<Vec<_>>(), kept.bytes)
@@ -179,7 +196,9 @@ mod tests {
         }
         assert_eq!(shared.draw(3).expect("it is known"), other);
         assert_eq!(
-            Realizer::new(&scene, Packing::Separate).and_then(|plain| plain.draw(3)).expect("it is loose"),
+            Realizer::new(&scene, Packing::Separate, DrawnFor::Medium)
+                .and_then(|plain| plain.draw(3))
+                .expect("it is loose"),
             first
         );
         let random = keeping(Packing::Random);
@@ -190,7 +209,7 @@ mod tests {
     #[test]
     fn fibers_that_are_caught_in_each_other_are_laid_anew() {
         let scene = Scene::parse(&Source::find("voile").expect("it is a preset")).expect("it is right");
-        let realizer = Realizer::new(&scene, Packing::Separate).expect("it can be laid out");
+        let realizer = Realizer::new(&scene, Packing::Separate, DrawnFor::Medium).expect("it can be laid out");
         // In the first draw of this number two fibers wind about each other.
         let (drawn, separation) = realizer.draw_separate(31).expect("there is room");
         assert!(separation.reached(), "{separation:?}");
@@ -202,7 +221,7 @@ mod tests {
     #[test]
     fn what_has_no_room_is_not_kept() {
         let scene = Scene::parse(&Source::find("sheer").expect("it is a preset")).expect("it is right");
-        let realizer = Realizer::new(&scene, Packing::Random).expect("it can be laid out");
+        let realizer = Realizer::new(&scene, Packing::Random, DrawnFor::Medium).expect("it can be laid out");
         let drawn = realizer.draw(0).expect("nothing is refused");
         let mut kept = Kept { bytes: MOST_KEPT, ..Kept::default() };
         kept.keep(0, &drawn);

@@ -46,6 +46,7 @@ pub struct Web {
     sheet: Sheet,
     radii: Vec<f64>,
     period: f64,
+    expected_pieces: usize,
 }
 
 impl Web {
@@ -62,13 +63,19 @@ impl Web {
         let cuts = (PARTS + 1.0) * density * sheet.thickness;
         let wanted = 2.0 * WANTED_PIECES / (cuts + (cuts * cuts + 4.0 * steep * WANTED_PIECES).sqrt());
         let period = wanted.clamp(LEAST * thickest, MOST * thickest);
-        if (steep * period + cuts) * period > MOST_PIECES {
+        let pieces = (steep * period + cuts) * period;
+        if pieces > MOST_PIECES {
             return Err(Error::Input(format!(
                 "an element of the sheet {period:.3} mm wide, {LEAST} radii of its fibers, has more than {MOST_PIECES:e} \
                  straight pieces of fiber; make the sheet thinner, or its fibers fewer or less different in radius"
             )));
         }
-        Ok(Web { sheet: sheet.clone(), radii, period })
+        Ok(Web { sheet: sheet.clone(), radii, period, expected_pieces: pieces as usize })
+    }
+
+    /// Pieces that a realization has, about.
+    pub fn expected_pieces(&self) -> usize {
+        self.expected_pieces
     }
 
     /// Size of the element along x and y in mm.

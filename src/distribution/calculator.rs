@@ -7,7 +7,7 @@ use super::lists::{Lists, make_lists};
 use super::placement::MAX_SEPARATE_FRACTION;
 use super::sheet::SpecificLength;
 use super::voids::{VoidCount, VoidSums, Voids};
-use crate::cloth::{Cloth, Realization, Realizer};
+use crate::cloth::{Cloth, DrawnFor, Realization, Realizer};
 use crate::error::{Error, Result};
 use crate::scene::{Model, Placement, Yarn, dark_beside_light};
 use glam::DVec3;
@@ -26,6 +26,8 @@ const MOST_ALONG: u32 = 256;
 const MOST_CELLS: usize = 1 << 20;
 /// Most cells of the grid of lists: more take more memory than they are worth.
 const MOST_LISTS: usize = 1 << 17;
+/// Most entries of all lists together, each padded to a power of two: their numbers are exact in f32 and fit into 24 bits.
+pub const MOST_ENTRIES: usize = 1 << 23;
 /// The effort of a run.
 const USUAL: Effort = Effort::Precision(0.15);
 /// Fewest and most realizations.
@@ -112,7 +114,7 @@ impl SpecificLength {
         effort: Effort,
         progress: impl FnMut(f64),
     ) -> Result<(SpecificLength, Gathering)> {
-        let realizer = Realizer::of_yarns(cloth.clone(), model.packing);
+        let realizer = Realizer::of_yarns(cloth.clone(), model, DrawnFor::Medium);
         SpecificLength::of_draws(cloth, model, effort, &|number| realizer.draw(number), progress)
     }
 
@@ -160,7 +162,7 @@ impl SpecificLength {
             let message = format!("radius × length of the fibers is {area:.0} mm² in all, too much to be counted");
             return Err(Error::Input(message));
         }
-        let (mut specific_length, mut gathering, fractions) = sums.finish(element, model, &grids);
+        let (mut specific_length, mut gathering, fractions) = sums.finish(element, model, grids);
         if let Some(full) = too_full(&fractions, &sums) {
             return Err(refuse(element, model, &sums, full));
         }
@@ -219,12 +221,18 @@ fn grids(element: &Element, model: &Model) -> Grids {
     };
     let lists = |grids: &Grids| grids.list_counts().iter().map(|count| *count as usize).product::<usize>();
     while lists(&grids) > MOST_LISTS {
-        // Widen the lists where they are narrowest.
-        let width = |axis: usize| f64::from(grids.block[axis]) * edges[axis] / element.list_width[axis];
-        let axis = (0..3).min_by(|a, b| width(*a).total_cmp(&width(*b))).unwrap_or_default();
-        grids.block[axis] += 1;
+        grids.block[narrowest(&grids, element)] += 1;
     }
     grids
+}
+
+/// The axis along which lists are narrowest, by the width that they should have, among those that they do not fill.
+fn narrowest(grids: &Grids, element: &Element) -> usize {
+    let edges = element.cells.edges();
+    let width = |axis: usize| f64::from(grids.block[axis]) * edges[axis] / element.list_width[axis];
+    let counts = grids.list_counts();
+    let open = (0..3).filter(|axis| counts[*axis] > 1);
+    open.min_by(|a, b| width(*a).total_cmp(&width(*b))).unwrap_or_default()
 }
 
 /// Radius in mm of the thinnest fiber that the threads of a cloth are made of.
@@ -315,12 +323,34 @@ impl Sums {
         if mean > 0.0 { variance.sqrt() / mean } else { 0.0 }
     }
 
-    /// The means, how they were gathered, and the volume fractions of the cells.
-    fn finish(&self, element: &Element, model: &Model, grids: &Grids) -> (SpecificLength, Gathering, Vec<f64>) {
+    /// Lists of directions that have no more than [`MOST_ENTRIES`] together, made twice as wide as often as that takes.
+    fn lists(&self, element: &Element, model: &Model, grids: &mut Grids) -> Lists {
         let grid = DirectionGrid { n: model.directions.isqrt() };
         let radius = |kind: usize| element.radii[kind];
-        let Lists { lists, of_cell, spread_error } =
-            make_lists(&self.directions, grids.raw, grid, model.cone.unwrap_or_default(), radius);
+        let make =
+            |directions: &_, raw, most| make_lists(directions, raw, grid, model.cone.unwrap_or_default(), radius, most);
+        let mut widened = None;
+        loop {
+            let directions = widened.as_ref().unwrap_or(&self.directions);
+            // One list cannot be too long.
+            let most = if grids.list_counts() == [1; 3] { usize::MAX } else { MOST_ENTRIES };
+            let share = match make(directions, grids.raw, most) {
+                Ok(lists) => return lists,
+                Err(share) => share,
+            };
+            // Two lists in one have half the entries of both at least.
+            for _ in 0..share.recip().log2().ceil().clamp(1.0, 30.0) as u32 {
+                let narrow = widened.take().unwrap_or_else(|| self.directions.clone());
+                widened = Some(grids.widen(narrowest(grids, element), narrow));
+            }
+        }
+    }
+
+    /// The means, how they were gathered, and the volume fractions of the cells.
+    fn finish(&self, element: &Element, model: &Model, mut grids: Grids) -> (SpecificLength, Gathering, Vec<f64>) {
+        let grid = DirectionGrid { n: model.directions.isqrt() };
+        let radius = |kind: usize| element.radii[kind];
+        let Lists { lists, of_cell, spread_error } = self.lists(element, model, &mut grids);
         let edges = grids.cells.edges();
         let scale = 1.0 / (SURFACE_UNIT * self.realizations as f64 * edges.x * edges.y * edges.z);
         let cell = |(surface, place): (&u64, [u32; 3])| {
@@ -368,7 +398,7 @@ fn refuse(element: &Element, model: &Model, sums: &Sums, (cell, fraction): (usiz
         coarse.cells.counts = coarse.cells.counts.map(|count| count.div_ceil(2));
         let grids = Grids { voids: false, ..grids(&coarse, model) };
         let Ok(counted) = gather(&coarse, &grids, Effort::Realizations(sums.realizations), |_| {}) else { break };
-        if too_full(&counted.finish(&coarse, model, &grids).2, &counted).is_none() {
+        if too_full(&counted.finish(&coarse, model, grids).2, &counted).is_none() {
             cure = format!("take fewer cells, such as cells = {:?}, or ", coarse.cells.counts);
         }
     }

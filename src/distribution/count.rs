@@ -43,6 +43,29 @@ impl Grids {
     }
 }
 
+impl Grids {
+    /// Make lists twice as wide along an axis, and gather what was counted in them.
+    pub fn widen(&mut self, axis: usize, counted: FxHashMap<Key, Gathered>) -> FxHashMap<Key, Gathered> {
+        let narrow = self.list_counts();
+        self.block[axis] *= 2;
+        let wide = self.list_counts();
+        let of = |list: u32| {
+            let mut place = [list % narrow[0], list / narrow[0] % narrow[1], list / narrow[0] / narrow[1]];
+            place[axis] /= 2;
+            (place[2] * wide[1] + place[1]) * wide[0] + place[0]
+        };
+        // Directions are summed in floating point: keep the order.
+        let mut sorted: Vec<(Key, Gathered)> = counted.into_iter().collect();
+        sorted.sort_unstable_by_key(|(key, _)| *key);
+        let mut gathered: FxHashMap<Key, Gathered> = FxHashMap::default();
+        for (key, part) in sorted {
+            let key = Key { list: of(key.list), ..key };
+            gathered.entry(key).and_modify(|known| known.add(&part)).or_insert(part);
+        }
+        gathered
+    }
+}
+
 /// Fibers of one kind in one list cell whose directions lie in one cell of the raw grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key {

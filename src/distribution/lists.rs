@@ -48,22 +48,28 @@ enum Place {
 
 /// Make the lists. Directions are spread uniformly over the cone |p × p'| ≤ sin ω around the counted ones (paper §5), unless
 /// all fibers of a kind in the cell share one direction, which stays exact; `radius` gives R of a kind of fiber in mm.
+///
+/// # Errors
+/// The share of the list cells that `most` entries do for, each list padded to a power of two, where they do not for all.
 pub fn make_lists(
     counted: &FxHashMap<Key, Gathered>,
     raw_grid: DirectionGrid,
     grid: DirectionGrid,
     cone: f64,
     radius: impl Fn(usize) -> f64,
-) -> Lists {
+    most: usize,
+) -> Result<Lists, f64> {
     let mut sorted: Vec<(&Key, &Gathered)> = counted.iter().filter(|(_, gathered)| gathered.surface > 0).collect();
     sorted.sort_unstable_by_key(|(key, _)| *key);
     let raw: Vec<&Raw> = sorted.chunk_by(|(a, _), (b, _)| a.list == b.list).collect();
+    let all = raw.len();
     let mut maker = Maker { grid, raw: raw_grid, cone, spread: FxHashMap::default(), exact: Vec::new() };
     let mut shapes: Vec<Shape> = Vec::new();
     let mut of_cell = FxHashMap::default();
     // Lists can only be alike when their largest bundles are the same.
     let mut alike: FxHashMap<(u32, Place), Vec<usize>> = FxHashMap::default();
-    for raw in &raw {
+    let mut entries = 0;
+    for (done, raw) in raw.iter().enumerate() {
         let shape = maker.shape(raw);
         let largest = shape.shares.iter().max_by(|a, b| a.1.total_cmp(b.1)).map(|(place, _)| *place);
         let Some(largest) = largest else { continue };
@@ -71,11 +77,18 @@ pub fn make_lists(
         let known = candidates.iter().copied().find(|&known| shapes[known].is_like(&shape));
         let index = known.unwrap_or(shapes.len());
         match known {
-            Some(known) => shapes[known].add(&shape),
+            Some(known) => {
+                entries -= shapes[known].entries();
+                shapes[known].add(&shape);
+            }
             None => {
                 candidates.push(index);
                 shapes.push(shape);
             }
+        }
+        entries += shapes[index].entries();
+        if entries > most {
+            return Err(done as f64 / all as f64);
         }
         of_cell.insert(raw[0].0.list, index as u32);
     }
@@ -88,10 +101,15 @@ pub fn make_lists(
         };
         shape.shares.iter().map(bundle).collect()
     };
-    Lists { lists: shapes.iter().map(bundles).collect(), of_cell, spread_error }
+    Ok(Lists { lists: shapes.iter().map(bundles).collect(), of_cell, spread_error })
 }
 
 impl Shape {
+    /// Entries of a table.
+    fn entries(&self) -> usize {
+        self.shares.len().next_power_of_two()
+    }
+
     /// Whether the shares differ by no more than their sampling errors: χ² at most its degrees of freedom.
     fn is_like(&self, other: &Shape) -> bool {
         let places = self.shares.keys().chain(other.shares.keys().filter(|place| !self.shares.contains_key(place)));

@@ -34,7 +34,7 @@ mod sheet;
 mod spread;
 mod voids;
 
-pub use calculator::{Effort, Element, Gathering, cells_of_edge, thinnest_radius, usual_edge};
+pub use calculator::{Effort, Element, Gathering, MOST_ENTRIES, cells_of_edge, thinnest_radius, usual_edge};
 pub use cells::{Cell, CellGrid};
 pub use directions::{DirectionGrid, direction_of, square_of};
 pub use sheet::{Bundle, SpecificLength, surface};

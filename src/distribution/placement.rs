@@ -40,7 +40,7 @@ impl SpecificLength {
             return Err(Error::Input(format!(
                 "fibers have up to {:.2} of the volume of a cell, so they overlap there, and placement \"{}\" is for \
                  separate fibers, at most {MAX_SEPARATE_FRACTION}; take placement \"carried-void\", \"carried\" or \
-                 \"at-hit\", or fewer cells",
+                 \"at-hit\"",
                 fractions[fullest],
                 placement.name()
             )));

@@ -2,7 +2,7 @@
 
 use super::clustering::{Clustering, Fates};
 use super::walk::{Bodies, walk};
-use crate::cloth::{FiberGrid, Realization, Realizer};
+use crate::cloth::{DrawnFor, FiberGrid, Realization, Realizer};
 use crate::error::Result;
 use crate::goniometer::{Coverage, Goniometer, Origin, Tally};
 use crate::scene::Scene;
@@ -47,7 +47,7 @@ impl Explicit {
     /// [`Error::Input`](crate::Error::Input) when the cloth cannot be laid out, its fibers cannot be separate though they are
     /// to be, or there are too many.
     pub fn new(scene: &Scene) -> Result<Explicit> {
-        let realizer = Realizer::new(scene, scene.model.packing)?;
+        let realizer = Realizer::new(scene, scene.model.packing, DrawnFor::Fibers)?;
         Explicit::drawn(scene, None, move |number| realizer.draw(number))
     }
 

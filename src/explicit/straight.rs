@@ -27,8 +27,8 @@ const RAYS: usize = 1 << 14;
 const FEWEST: usize = 16;
 /// Walks that set out along one ray, before rays through other realizations take its place.
 const WALKS_A_RAY: u64 = 2;
-/// The rays do not depend on the seed of the walks.
-const SEED: u64 = 0;
+/// Sequences of rays have numbers of their own, above those of walks.
+const SEQUENCES: u64 = 1 << 63;
 /// Root of x⁵ = x + 1, whose powers make the most even additive sequence in four dimensions (Roberts 2018).
 const ROOT: f64 = 1.167_303_978_261_418_7;
 
@@ -36,6 +36,7 @@ const ROOT: f64 = 1.167_303_978_261_418_7;
 #[derive(Debug)]
 pub struct StraightRays {
     goniometer: Goniometer,
+    seed: u64,
     /// Of each kind of the scene, its place among those in use.
     places: Vec<usize>,
     /// By realization: its rays, start by start.
@@ -50,7 +51,13 @@ impl StraightRays {
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
         let places = (0..scene.fibers.len()).map(place).collect();
-        StraightRays { goniometer: goniometer.clone(), places, seen: Mutex::default(), untouched: Mutex::default() }
+        StraightRays {
+            goniometer: goniometer.clone(),
+            seed: scene.model.seed,
+            places,
+            seen: Mutex::default(),
+            untouched: Mutex::default(),
+        }
     }
 
     /// Numbers of the realizations that rays are to go through before the first walk.
@@ -123,7 +130,8 @@ impl StraightRays {
         let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
         let mut rays = Vec::with_capacity(of_start * self.goniometer.starts());
         for start in 0..self.goniometer.starts() {
-            let begin = DVec4::from_array(draw(SEED, number, start as u32, Purpose::Start).map(uniform));
+            let begin =
+                DVec4::from_array(draw(self.seed, SEQUENCES | number, start as u32, Purpose::Start).map(uniform));
             for ray in 0..of_start {
                 let at = (begin + step * (ray as f64 + 1.0)).fract();
                 let m = -self.goniometer.start_direction(start, DVec2::new(at.x, at.y));

@@ -1,12 +1,12 @@
-//! The medium of a cloth of yarns against its fibers.
+//! The medium of a cloth against its fibers.
 
 use super::run::Prepared;
 use crate::bsdf::{Estimate, Totals, totals};
-use crate::cloth::Realizer;
+use crate::cloth::{Cloth, DrawnFor, Realizer};
 use crate::error::Result;
 use crate::explicit::Explicit;
 use crate::goniometer::Tally;
-use crate::scene::Scene;
+use crate::scene::{Packing, Scene};
 use crate::walk::{WalkPlan, Walker};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,6 +14,10 @@ use serde::Serialize;
 /// Realizations, and walks through each, all starts together.
 const REALIZATIONS: u64 = 8;
 const WALKS: u64 = 2048;
+/// Separate fibers take long to draw: their realizations have so many straight pieces at most, all together, and no more than the
+/// run has walks; they are so many at least.
+const SEPARATE_PIECES: u64 = 1 << 17;
+const FEWEST: u64 = 4;
 
 /// Where light goes through the fibers themselves, and through the medium: means over all starts in one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -29,15 +33,27 @@ pub struct AgainstFibers {
 }
 
 impl AgainstFibers {
-    /// Send a few walks through the fibers of a prepared cloth of yarns, whose medium `tally` has measured; none for a sheet.
+    /// Send a few walks through the fibers of a prepared cloth, whose medium `tally` has measured with this seed; none where they are
+    /// separate and take too long to be drawn for such a run. The fibers are others than those that the medium was made of.
     ///
     /// # Errors
-    /// Those of [`Explicit::drawn`] and of its run.
+    /// Those of [`Realizer::draw`], of [`Explicit::drawn`] and of its run.
     pub fn new(scene: &Scene, prepared: &Prepared, tally: &Tally, seed: u64) -> Result<Option<AgainstFibers>> {
-        let Some(cloth) = &prepared.cloth else { return Ok(None) };
+        let of_yarns = |cloth: &Cloth| Ok(Realizer::of_yarns(cloth.clone(), &scene.model, DrawnFor::Judge));
+        let of_sheet = || Realizer::new(scene, scene.model.packing, DrawnFor::Judge);
+        let realizer = prepared.cloth.as_ref().map_or_else(of_sheet, of_yarns)?.keeping();
+        let realizations = match scene.model.packing {
+            Packing::Random => REALIZATIONS,
+            Packing::Separate => {
+                let pieces = SEPARATE_PIECES.min(tally.counts.launched);
+                REALIZATIONS.min(pieces / realizer.expected_pieces().max(1) as u64)
+            }
+        };
+        if realizations < FEWEST {
+            return Ok(None);
+        }
         let goniometer = &prepared.goniometer;
         let starts = goniometer.starts() as u64;
-        let realizer = Realizer::of_yarns(cloth.clone(), scene.model.packing);
         let explicit = Explicit::drawn(scene, Some(WALKS as usize), move |number| realizer.draw(number))?;
         let each = explicit.walks_of_start(starts as usize);
         let channel = tally.channels() / 2;
@@ -45,12 +61,12 @@ impl AgainstFibers {
             let plan = WalkPlan { first: number * each, ..WalkPlan::new(!seed, each) };
             Ok(means(&explicit.run(goniometer, &plan, &mut |_| {})?, channel))
         };
-        let parts: Vec<[Estimate; 3]> = (0..REALIZATIONS).into_par_iter().map(through).collect::<Result<_>>()?;
+        let parts: Vec<[Estimate; 3]> = (0..realizations).into_par_iter().map(through).collect::<Result<_>>()?;
         let mut sums = [(0.0, 0.0); 3];
         for (sum, share) in parts.iter().flat_map(|part| (0..3).zip(part)) {
             sums[sum] = (sums[sum].0 + share.value, sums[sum].1 + share.value.powi(2));
         }
-        let (n, walks) = (REALIZATIONS as f64, REALIZATIONS * each * starts);
+        let (n, walks) = (realizations as f64, realizations * each * starts);
         let fibers = sums.map(|(sum, square)| {
             let value = sum / n;
             // Of few realizations the scatter may come out too small: walks alone leave this much.

@@ -3,7 +3,7 @@
 use super::fibers::AgainstFibers;
 use super::stop::Stop;
 use crate::bsdf::noise;
-use crate::cloth::{Cloth, Realizer};
+use crate::cloth::{Cloth, DrawnFor, Realizer};
 use crate::distribution::{DirectionGrid, Effort, Gathering, SpecificLength};
 use crate::error::{Error, Result};
 use crate::explicit::{Banks, Clustering, Explicit, StraightRays};
@@ -127,7 +127,8 @@ pub fn prepare_from(scene: &Scene, realizer: Option<&Realizer>, progress: impl F
         Structure::Weave(_) | Structure::Knit(_) => {
             let laid_out = realizer.and_then(Realizer::yarns).cloned();
             let cloth = laid_out.map_or_else(|| Cloth::new(scene), Ok)?;
-            let realizer = realizer.cloned().unwrap_or_else(|| Realizer::of_yarns(cloth.clone(), packing));
+            let realizer =
+                realizer.cloned().unwrap_or_else(|| Realizer::of_yarns(cloth.clone(), &scene.model, DrawnFor::Medium));
             let draw = |number| {
                 let realization = realizer.draw(number)?;
                 if wanted {
@@ -145,7 +146,7 @@ pub fn prepare_from(scene: &Scene, realizer: Option<&Realizer>, progress: impl F
     check_memory(memory(&scene.model, &tables, &goniometer), tables.channels(), &goniometer)?;
     let (mut straight, mut first_hits) = (None, None);
     if wanted {
-        let realizer = realizer.map_or_else(|| Realizer::new(scene, packing), Ok)?;
+        let realizer = realizer.map_or_else(|| Realizer::new(scene, packing, DrawnFor::Medium), Ok)?;
         if gathering.is_none() {
             StraightRays::wanted().into_par_iter().try_for_each(|number| rays.add(number, &realizer.draw(number)?))?;
         }

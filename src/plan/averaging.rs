@@ -5,7 +5,7 @@ use super::configuration::Extent;
 use super::stretches::{KeptBanks, stretches, walk};
 use super::trial::{BLOCKS, Trial};
 use crate::bsdf::{Distance, distance_of, scattered};
-use crate::cloth::{Realization, Realizer};
+use crate::cloth::{DrawnFor, Realization, Realizer};
 use crate::distribution::{Effort, SpecificLength};
 use crate::error::Result;
 use crate::goniometer::{Goniometer, Straight, Tally};
@@ -46,7 +46,7 @@ impl Averaging {
     /// Those of [`SpecificLength::of_draws`]: a single realization may be too dense for a cell where the mean of many is not.
     pub fn new(scene: &Scene, prepared: &Prepared, realizations: u64) -> Result<Option<Averaging>> {
         let Some(cloth) = &prepared.cloth else { return Ok(None) };
-        let realizer = Realizer::of_yarns(cloth.clone(), scene.model.packing);
+        let realizer = Realizer::of_yarns(cloth.clone(), &scene.model, DrawnFor::Medium);
         let drawn: Vec<Realization> = (0..realizations).map(|number| realizer.draw(number)).collect::<Result<_>>()?;
         let tables = |count: u64, which: &(dyn Fn(u64) -> usize + Sync)| {
             let draw = |number| Ok(drawn[which(number)].clone());

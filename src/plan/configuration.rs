@@ -1,6 +1,6 @@
 //! One way to model a cloth.
 
-use crate::cloth::{Cloth, Realizer};
+use crate::cloth::{Cloth, DrawnFor, Realizer};
 use crate::distribution::{cells_of_edge, thinnest_radius, usual_edge};
 use crate::error::Result;
 use crate::goniometer::Goniometer;
@@ -23,7 +23,9 @@ impl Extent {
     pub fn of(scene: &Scene) -> Result<Extent> {
         let realizer = match &scene.structure {
             Structure::Sheet(_) => None,
-            Structure::Weave(_) | Structure::Knit(_) => Some(Realizer::new(scene, scene.model.packing)?.keeping()),
+            Structure::Weave(_) | Structure::Knit(_) => {
+                Some(Realizer::new(scene, scene.model.packing, DrawnFor::Medium)?.keeping())
+            }
         };
         Ok(Extent { realizer })
     }

@@ -2,7 +2,7 @@
 
 use super::trial::BLOCKS;
 use crate::bsdf::{Distance, block_noise, distance};
-use crate::cloth::{FiberGrid, Realizer};
+use crate::cloth::{DrawnFor, FiberGrid, Realizer};
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
@@ -24,8 +24,6 @@ const FIRST: u64 = 64;
 const MOST: u64 = 1 << 15;
 /// Numbers of walks that a block has for its own.
 const OF_BLOCK: u64 = 1 << 32;
-/// Realizations that no medium is counted from.
-const OF_PILOTS: u64 = 1 << 41;
 
 /// Walks through the fibers of one realization a block.
 pub struct Pilot {
@@ -59,9 +57,9 @@ impl Pilot {
         }
         scene.measure.set_from_flag("exit", EXIT)?;
         let goniometer = Goniometer::new(&scene.measure);
-        let realizer = Realizer::new(&scene, scene.model.packing)?;
+        let realizer = Realizer::new(&scene, scene.model.packing, DrawnFor::Pilot)?;
         // What a walk costs, a few through the first realization tell.
-        let drawn = |number: u64| FiberGrid::of(&realizer.draw(OF_PILOTS + number)?).map(Arc::new);
+        let drawn = |number: u64| FiberGrid::of(&realizer.draw(number)?).map(Arc::new);
         let first = drawn(0)?;
         let pieces = first.tubes().len();
         let few =

@@ -8,7 +8,7 @@ use crate::bsdf::Estimate;
 use crate::error::Result;
 use crate::goniometer::Goniometer;
 use crate::measure::{Prepared, prepare};
-use crate::scene::{Medium, Packing, Placement, Scene, Structure};
+use crate::scene::{Medium, Packing, Scene, Structure};
 use crate::walk::Engine;
 use serde::Serialize;
 use std::time::Instant;
@@ -108,17 +108,13 @@ impl Plan {
     }
 }
 
-/// The list that a planner chooses from: of yarns, the medium of the placement for their packing with first hits on fibers, at edges
-/// of 8, 4, 2 and 1.4 radii, the usual one among them; of a sheet, that placement and at-hit; and the fibers themselves.
+/// The list that a planner chooses from, all of the placement for the packing of the cloth: of yarns, media at edges of 8, 4, 2 and
+/// 1.4 radii with first hits on fibers, the usual one among them; of a sheet, its medium; and the fibers themselves.
 pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
     let usual = Configuration::of(scene, extent);
-    let carried = match scene.model.packing {
-        Packing::Random => Placement::Carried,
-        Packing::Separate => Placement::CarriedVoid,
-    };
-    let media = match (&scene.structure, extent.usual_edge()) {
-        (Structure::Sheet(_), _) | (_, None) => vec![usual.placed(carried), usual.placed(Placement::AtHit)],
-        (_, Some(edge)) => {
+    let media = match extent.usual_edge() {
+        None => vec![usual],
+        Some(edge) => {
             let coarse = EDGES.into_iter().filter(|coarse| *coarse > NEAR * edge);
             // Where the usual one is larger than it should be, finer ones would be too many cells.
             let fine = EDGES.into_iter().filter(|fine| *fine < edge / NEAR && edge <= 2.0);
@@ -154,7 +150,6 @@ pub fn plan(
         fibers,
         kept,
         belief,
-        at_hit: None,
         cost,
         events: None,
     };
@@ -171,10 +166,7 @@ struct Planner<'a> {
     /// Whether the fibers themselves may be chosen, and whether tables are given back.
     fibers: bool,
     kept: bool,
-    /// Of the default placement.
     belief: Belief,
-    /// Of at-hit in a sheet.
-    at_hit: Option<Belief>,
     cost: Cost,
     /// Edge of the medium that was tried, in radii of the thinnest fiber, and tentative events of a walk through it.
     events: Option<(f64, f64)>,
@@ -207,8 +199,9 @@ impl Planner<'_> {
             let (found, events) = pilot.try_medium(&medium.tables, engine, seed)?;
             pilot_seconds += started.elapsed().as_secs_f64();
             prepared = Some((configuration, medium));
-            self.learn(&configuration, found.square, found.square_error);
-            self.events = Some((configuration.edge.unwrap_or(USUAL_EDGE), events));
+            let edge = configuration.edge.unwrap_or(USUAL_EDGE);
+            self.belief = self.belief.after(found.square, found.square_error, edge);
+            self.events = Some((edge, events));
             tried.push(configuration.name());
         }
         let chosen = self.choose(&pilot, &tried);
@@ -256,14 +249,10 @@ impl Planner<'_> {
         all.filter(|one| self.fibers || one.model.medium == Medium::Implicit).collect()
     }
 
-    fn is_sheet(&self) -> bool {
-        matches!(self.scene.structure, Structure::Sheet(_))
-    }
-
-    /// Media whose tables are worth making for a pilot: both of a sheet, whose tables cost nothing; of yarns the likeliest, if
-    /// it would surely be chosen or its counting is cheap.
+    /// Media whose tables are worth making for a pilot: that of a sheet, whose tables cost nothing; of yarns the likeliest, if it would
+    /// surely be chosen or its counting is cheap.
     fn worth_trying(&self, likely: &Candidate, pilot: &Pilot, seconds: f64) -> Vec<Configuration> {
-        if self.is_sheet() {
+        if let Structure::Sheet(_) = self.scene.structure {
             let media = candidates(self.scene, self.extent).into_iter();
             return media.filter(|one| one.model.medium == Medium::Implicit).collect();
         }
@@ -274,35 +263,12 @@ impl Planner<'_> {
         if worth { vec![likely.configuration] } else { Vec::new() }
     }
 
-    /// Take in the distance of a medium from the fibers.
-    fn learn(&mut self, configuration: &Configuration, square: f64, error: f64) {
-        let edge = configuration.edge.unwrap_or(USUAL_EDGE);
-        if self.is_sheet() && configuration.model.placement == Placement::AtHit {
-            self.at_hit = Some(self.of_at_hit().after(square, error, edge));
-        } else {
-            self.belief = self.belief.after(square, error, edge);
-        }
-    }
-
     /// E that is expected of a configuration.
     fn expected(&self, configuration: &Configuration) -> Expected {
         if configuration.model.medium == Medium::Explicit {
             return Expected { error: 0.0, spread: 0.0 };
         }
-        let at_hit = self.is_sheet() && configuration.model.placement == Placement::AtHit;
-        let belief = if at_hit { self.of_at_hit() } else { self.belief };
-        belief.at(configuration.edge.unwrap_or(USUAL_EDGE))
-    }
-
-    /// What is known of at-hit in a sheet: hits are off by about the volume fraction, lobes by half of that.
-    fn of_at_hit(&self) -> Belief {
-        self.at_hit.unwrap_or_else(|| {
-            let fraction = match &self.scene.structure {
-                Structure::Sheet(sheet) => sheet.volume_fraction(&self.scene.fibers),
-                Structure::Weave(_) | Structure::Knit(_) => 0.0,
-            };
-            Belief::new([fraction / 2.0, fraction / 6.0], [0.0, 0.0], 0.0)
-        })
+        self.belief.at(configuration.edge.unwrap_or(USUAL_EDGE))
     }
 
     /// How a configuration shares out the tolerance: its expected E, and the noise that is left, if any. It leaves room for what E

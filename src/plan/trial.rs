@@ -2,7 +2,7 @@
 
 use super::configuration::{Configuration, Extent};
 use super::stretches::{KeptBanks, OF_BLOCK, stretches, walk};
-use crate::cloth::Realizer;
+use crate::cloth::{DrawnFor, Realizer};
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
@@ -14,8 +14,6 @@ use std::time::Instant;
 
 /// Blocks of walks that a trial is judged by.
 pub const BLOCKS: u64 = 8;
-/// Realizations that the fibers themselves never see, since media are counted from them.
-const OF_MEDIA: u64 = 1 << 40;
 
 /// Walks of one block.
 #[derive(Clone, Debug)]
@@ -61,11 +59,12 @@ impl Trial {
                 Body::Medium(Box::new(prepared), banks)
             }
             Medium::Explicit => {
-                let realizer = extent.realizer().cloned();
-                let realizer = realizer.map_or_else(|| Realizer::new(&scene, scene.model.packing), Ok)?;
+                let laid = extent.realizer().map(|realizer| realizer.for_user(DrawnFor::Trial));
+                let new = || Realizer::new(&scene, scene.model.packing, DrawnFor::Trial);
+                let realizer = laid.map_or_else(new, Ok)?;
                 let through = configuration.each.map(|each| each as usize * goniometer.starts());
                 let laid_out = started.elapsed().as_secs_f64();
-                let explicit = Explicit::drawn(&scene, through, move |number| realizer.draw(OF_MEDIA + number))?;
+                let explicit = Explicit::drawn(&scene, through, move |number| realizer.draw(number))?;
                 drawing = started.elapsed().as_secs_f64() - laid_out;
                 Body::Fibers(Box::new(if configuration.anew { explicit.anew() } else { explicit }))
             }

@@ -9,7 +9,7 @@ use super::picture::{INK, PAPER, WIDTHS, lay_face};
 use super::shade::{FINE, face};
 use super::text::Font;
 use super::view::Face;
-use crate::cloth::{Cloth, Realizer};
+use crate::cloth::{Cloth, DrawnFor, Realizer};
 use crate::scene::{Packing, Scene};
 use glam::DVec2;
 
@@ -67,7 +67,7 @@ fn front(image: &mut Image, [left, top, side]: [usize; 3], cloth: Option<&Cloth>
     let colours: Vec<Colour> = scene.fibers.iter().map(pile).collect();
     let coarse = scene.structure.kinds().iter().map(|&kind| 2.0 * scene.fibers[kind].radius).fold(0.0, f64::max);
     // A sheet whose element has too many fibers stays blank.
-    let web = if cloth.is_none() { Realizer::new(scene, Packing::Random).ok() } else { None };
+    let web = if cloth.is_none() { Realizer::new(scene, Packing::Random, DrawnFor::Medium).ok() } else { None };
     let (window, period, spacing, thickness) = match (cloth, &web) {
         (Some(cloth), _) => (window(cloth), cloth.period(), cloth.spacing().min_element(), cloth.thickness()),
         (None, Some(web)) => (SQUARE * coarse, web.period(), WIDE * coarse, DEEP * coarse),

@@ -28,7 +28,7 @@ pub use flyaways::{Flyaways, Hairs, Loops, Migration, Spread};
 pub use knit::{Knit, Stitch, THINNEST};
 pub use load::{Scene, Source};
 pub use measure::{Incident, Measure, Side};
-pub use model::{Direct, FirstHit, Medium, Memory, Model, Packing, Placement, Tracking};
+pub use model::{Direct, FirstHit, Medium, Memory, Model, Packing, Placement, SEED, Tracking};
 pub use presets::PRESETS;
 pub use reader::closest;
 pub use sheet::{Fiber, MAX_KINDS, Orientation, Sheet, SheetFibers, dark_beside_light};

@@ -123,6 +123,9 @@ pub struct Model {
     pub memory_chosen: bool,
     /// How the fibers of a realization are laid.
     pub packing: Packing,
+    /// Seed of the realizations, which is that of the run.
+    #[serde(skip)]
+    pub seed: u64,
     /// Cells of the direction grid, a square number.
     pub directions: u32,
     /// Length of the approximating cylinder over its radius (paper §2); infinite for none, written as null in JSON.
@@ -134,6 +137,9 @@ pub struct Model {
     #[serde(rename = "cone_deg", serialize_with = "in_degrees", skip_serializing_if = "Option::is_none")]
     pub cone: Option<f64>,
 }
+
+/// Seed of a run where nothing else is said.
+pub const SEED: u64 = 1;
 
 /// The cone of a cloth of yarns where the file does not say, in radians: directions are kept as they were counted.
 const CONE: f64 = 0.0;
@@ -165,6 +171,7 @@ impl Default for Model {
             memory: Memory::None,
             memory_chosen: false,
             packing: Packing::Random,
+            seed: SEED,
             directions: 1024,
             length_over_radius: f64::INFINITY,
             cells: None,
@@ -179,6 +186,8 @@ impl Model {
         let mut model = Model::default();
         if of_yarns {
             (model.cone, model.direct, model.first_hit) = (Some(CONE), Direct::Straight, FirstHit::Fibers);
+        } else {
+            model.packing = Packing::Separate;
         }
         model.settle();
         model
@@ -194,13 +203,13 @@ impl Model {
         Model { direct: Direct::Walks, first_hit: FirstHit::Medium, ..self }
     }
 
-    /// Choose the placement and the memory that are not asked for: in a cloth of yarns, those that come nearest to its fibers.
+    /// Choose the placement and the memory that are not asked for: the placement that comes nearest to fibers of the packing.
     pub(crate) fn settle(&mut self) {
         if !self.placement_chosen {
-            self.placement = match (self.cone, self.tracking, self.packing) {
-                (None, ..) | (_, Tracking::Tabulated, _) => Placement::AtHit,
-                (_, _, Packing::Random) => Placement::Carried,
-                (_, _, Packing::Separate) => Placement::CarriedVoid,
+            self.placement = match (self.tracking, self.packing, self.cone) {
+                (Tracking::Tabulated, ..) | (_, Packing::Separate, None) => Placement::AtHit,
+                (_, Packing::Random, _) => Placement::Carried,
+                (_, Packing::Separate, Some(_)) => Placement::CarriedVoid,
             };
         }
         if !self.memory_chosen {

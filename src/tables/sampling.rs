@@ -7,12 +7,12 @@ use super::cut::Cut;
 use super::kind::Kind;
 use super::visible::VisibleArea;
 use crate::concentric::Patch;
-use crate::distribution::{Bundle, CellGrid, SpecificLength, surface};
+use crate::distribution::{Bundle, CellGrid, MOST_ENTRIES, SpecificLength, surface};
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Tracking};
 
-/// Most cells, and most entries of all lists together: their numbers are exact in f32 and fit into 24 bits.
-pub(super) const MOST: usize = 1 << 23;
+/// Most cells, and most entries of all lists together.
+pub(super) const MOST: usize = MOST_ENTRIES;
 
 /// The bundles of a list: entries `first` to `first + 2ᵏ − 1` of all, and how they are drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,7 +138,8 @@ impl SamplingTables {
         let first = self.patches.len();
         let end = first + alias.words().len();
         if end > MOST {
-            let message = format!("the cells have lists of more than {MOST} directions together; take fewer cells");
+            let message =
+                format!("the lists of directions have more than {MOST} entries together, padded to powers of two");
             return Err(Error::Input(message));
         }
         self.patches.extend(bundles.iter().map(|bundle| bundle.patch));

@@ -44,7 +44,7 @@ impl VisibleArea {
         };
         if tables.patches.len() + count * (n * n) as usize > MOST {
             return Err(Error::Input(format!(
-                "tables of H(m) for {count} lists of directions take more than {MOST} entries; take fewer cells, or \
+                "tables of H(m) for {count} lists of directions take more than {MOST} entries; take \
                  `tracking = \"null-collision\"`"
             )));
         }

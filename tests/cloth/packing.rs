@@ -4,7 +4,7 @@ use crate::common::stats::{GATE, mean_error};
 use crate::common::woven::{Woven, Yarn};
 use crate::common::{Cloth, ISOTROPIC, PLANAR, SplitMix};
 use fiberwalk::Error;
-use fiberwalk::cloth::{Primitive, Realization, Realizer, Separation, System};
+use fiberwalk::cloth::{DrawnFor, Primitive, Realization, Realizer, Separation, System};
 use fiberwalk::scene::{Packing, Scene, Source};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -15,11 +15,14 @@ fn preset(name: &str) -> Scene {
 }
 
 fn random(scene: &Scene, number: u64) -> Realization {
-    Realizer::new(scene, Packing::Random).expect("it can be laid out").draw(number).expect("nothing is refused")
+    Realizer::new(scene, Packing::Random, DrawnFor::Medium)
+        .expect("it can be laid out")
+        .draw(number)
+        .expect("nothing is refused")
 }
 
 fn separate(scene: &Scene, number: u64) -> (Realization, Separation) {
-    let realizer = Realizer::new(scene, Packing::Separate).expect("it can be laid out");
+    let realizer = Realizer::new(scene, Packing::Separate, DrawnFor::Medium).expect("it can be laid out");
     realizer.draw_separate(number).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -277,7 +280,7 @@ fn a_realization_does_not_depend_on_the_number_of_threads() {
     let first = alone.install(|| separate(&scene, 7));
     assert_eq!(first, many.install(|| separate(&scene, 7)));
     assert_ne!(first.0, separate(&scene, 8).0);
-    let realizer = Realizer::new(&scene, Packing::Separate).expect("it can be laid out");
+    let realizer = Realizer::new(&scene, Packing::Separate, DrawnFor::Medium).expect("it can be laid out");
     assert_eq!(first.0, realizer.draw(7).expect("it fits"), "what is drawn is separate");
 }
 
@@ -287,7 +290,7 @@ fn what_does_not_fit_is_refused() {
     let cloth = Woven::of(&[".X", "X."], yarn, 45.0);
     let source = Source { file: "tight.toml".into(), stem: "tight".into(), text: cloth.text(), folder: None };
     let scene = Scene::parse(&source).expect("it is right");
-    let realizer = Realizer::new(&scene, Packing::Separate).expect("it can be laid out");
+    let realizer = Realizer::new(&scene, Packing::Separate, DrawnFor::Medium).expect("it can be laid out");
     let error = realizer.draw(0).expect_err("it is too dense");
     assert!(matches!(error, Error::Input(_)) && error.exit_code() == 2);
     let message = error.to_string();

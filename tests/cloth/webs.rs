@@ -3,7 +3,7 @@
 use crate::common::stats::{GATE, largest, mean_error};
 use crate::common::straight::{openness, ray};
 use crate::common::{Cloth, ISOTROPIC, Kind, PLANAR, aligned};
-use fiberwalk::cloth::{Primitive, Realizer};
+use fiberwalk::cloth::{DrawnFor, Primitive, Realizer};
 use fiberwalk::scene::Packing;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ fn orientations() -> Vec<String> {
 }
 
 fn realizer(cloth: &Cloth) -> Realizer {
-    Realizer::new(&cloth.scene(), Packing::Random).expect("it can be laid out")
+    Realizer::new(&cloth.scene(), Packing::Random, DrawnFor::Medium).expect("it can be laid out")
 }
 
 /// Length of fiber in each layer of the sheet and in each of so many classes, over the volume of a layer: z of its mean over draws
@@ -172,6 +172,6 @@ fn fibers_are_those_of_their_populations() {
 #[test]
 fn a_sheet_that_would_take_too_many_pieces_is_refused() {
     let thick = Cloth { thickness_um: 1e6, ..Cloth::new(2500.0, ISOTROPIC) };
-    let error = Realizer::new(&thick.scene(), Packing::Random).expect_err("it is a metre thick");
+    let error = Realizer::new(&thick.scene(), Packing::Random, DrawnFor::Medium).expect_err("it is a metre thick");
     assert!(error.to_string().contains("straight pieces of fiber; make the sheet thinner"), "{error}");
 }

@@ -156,7 +156,7 @@ impl Cloth {
             text += &fiber(&format!("g{i}"), &kind.radius_um, &kind.ior, &kind.absorption);
         }
         text += &format!(
-            "[model]\ntracking = \"{tracking}\"\nplacement = \"{placement}\"\nmemory = \"{memory}\"\ndirections = {directions}\n\
+            "[model]\ntracking = \"{tracking}\"\nplacement = \"{placement}\"\nmemory = \"{memory}\"\npacking = \"random\"\ndirections = {directions}\n\
              length_over_radius = {}\n[measure]\nsides = {sides}\nincident = {incident}\nexit = {exit}\n[sheet]\nthickness_um = {thickness_um}\n",
             self.length_over_radius
         );

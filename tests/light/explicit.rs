@@ -4,7 +4,7 @@
 use crate::common::stats::{GATE, binomial_z, chi2_z, two_sample_chi2};
 use crate::common::tracer::Trace;
 use crate::common::{Cloth, SplitMix, aligned};
-use fiberwalk::cloth::{Curve, FiberGrid, Realizer, Way, Work};
+use fiberwalk::cloth::{Curve, DrawnFor, FiberGrid, Realizer, Way, Work};
 use fiberwalk::explicit::{Bodies, Explicit, walk};
 use fiberwalk::goniometer::{Goniometer, Outcome};
 use fiberwalk::scene::{Packing, Scene, Source};
@@ -27,7 +27,9 @@ fn the_grid_finds_what_a_search_of_all_fibers_finds() {
     let mut scene = preset("voile");
     scene.measure.set_from_flag("incident", "[[10, 20], [70, 200], [89, 45]]").expect("it is a list");
     let goniometer = Goniometer::new(&scene.measure);
-    let realization = Realizer::new(&scene, Packing::Random).and_then(|realizer| realizer.draw(7)).expect("it is laid");
+    let realization = Realizer::new(&scene, Packing::Random, DrawnFor::Medium)
+        .and_then(|realizer| realizer.draw(7))
+        .expect("it is laid");
     let kinds = Kind::of_scene(&scene);
     let walks = |counts: [u8; 3], keep: usize| {
         let fibers = &realization.fibers[..keep];

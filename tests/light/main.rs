@@ -26,3 +26,4 @@ mod stability;
 mod statistics;
 mod tally;
 mod tracking;
+mod users;

@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn parts_hold_the_cells_of_every_basis_alike() {
         for (choice, least) in [
-            (BasisChoice::Disc(16), 32),
+            (BasisChoice::Disc(16), 28),
             (BasisChoice::Disc(5), 2),
             (BasisChoice::Klems, 16),
             (BasisChoice::Polar { rings: 18, sectors: 36 }, 81),

@@ -54,6 +54,10 @@ mod tests {
         assert!((binomial_tail(1.0, 3.0, 0.25) - 1.0).abs() < 1e-12);
         assert!((binomial_tail(3.0, 3.0, 0.25) - 2.0 / 64.0).abs() < 1e-15);
         assert!((normal_tail(1.959_963_984_540_054) - 0.05).abs() < 1e-9);
+        assert!((normal_quantile(0.05) - 1.959_963_984_540_054).abs() < 1e-9);
+        // One degree of freedom is Cauchy's law, many are the normal one.
+        assert!((student_tail(1.0, 1.0) - 0.5).abs() < 1e-12);
+        assert!((student_tail(1.959_963_984_540_054, 1e7) - 0.05).abs() < 1e-6);
         // Two degrees of freedom: exp(−x/2).
         assert!((chi_square_tail(8.0, 2) - (-4f64).exp()).abs() < 1e-12);
         assert!((sidak(0.01, 2) - (1.0 - 0.99 * 0.99)).abs() < 1e-15);

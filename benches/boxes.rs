@@ -116,7 +116,7 @@ fn rows(v: f64, packing: Packing, axes: &[&str]) -> Result<()> {
             let error = (here[i].1 + spread[i].powi(2) * there[i].1).sqrt();
             format!("{:+.2} ± {:.2}", 100.0 * (here[i].0 - there[i].0), 100.0 * error)
         };
-        let found = compare(&tally, &reference);
+        let found = compare(&tally, &reference, &goniometer, [None; 2]);
         let deviation = hits(&tally) / hits(&reference) - 1.0;
         println!(
             "| {v} | {} | {} | {} | {} | {:.1} ({:.1}) | {:.3} | {:+.2} | {:+.2} |",

@@ -142,7 +142,7 @@ impl<'a> Study<'a> {
         let tally = self.gpu.run(&tables, &self.goniometer, &WalkPlan::new(self.seed, walks), &mut |_| {})?;
         tally.check(walks)?;
         let walked = started.elapsed().as_secs_f64();
-        let comparison = reference.map(|reference| compare(&tally, reference));
+        let comparison = reference.map(|reference| compare(&tally, reference, &self.goniometer, [None; 2]));
         let error = comparison.as_ref().map_or("–".into(), |found| format!("{:.1}", 100.0 * found.error));
         let resolution = comparison.as_ref().map_or("–".into(), |found| format!("{:.1}", 100.0 * found.resolution));
         let of = |value: &dyn Fn(usize) -> f64, digits: usize| {

@@ -42,9 +42,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let (a, b) = (a?, b?);
         let channel = a.channels() / 2;
         let near = near(&a, channel);
-        let comparison = compare(&a, &b);
+        let comparison = compare(&a, &b, &prepared.goniometer, [prepared.walks_a_ray(WALKS); 2]);
         let probabilities =
-            [comparison.cell.map(|cell| cell.probability), comparison.pooled.map(|all| all.probability)];
+            [comparison.farthest.map(|pool| pool.probability), comparison.sum.map(|sum| sum.probability)];
         let equal = probabilities.into_iter().flatten().fold(1.0, f64::min);
         let there_and_back = reciprocity(&a, &prepared.goniometer, Component::Reflection, Side::Front, channel);
         let Residual { chi_square, pairs, probability, .. } = there_and_back.ok_or("the bases do not fit together")?;
@@ -56,7 +56,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         });
         println!(
             "| {name} | {r} | {t} | {direct} | {absorbed} | {equal:.2} of {} | {chi_square:.0} of {pairs}, {probability:.2} |",
-            comparison.tested
+            comparison.tested()
         );
         for (wrong, what) in [
             (comparison.differ(), "the engines differ"),

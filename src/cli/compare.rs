@@ -3,7 +3,7 @@
 use super::measure::share;
 use super::print;
 use super::show::{estimate, grouped};
-use fiberwalk::bsdf::{CellDifference, Comparison, LEVEL, compare};
+use fiberwalk::bsdf::{Comparison, Counted, Incoming, LEVEL, Outgoing, PARTS, Pool, PoolDifference, Tested, compare};
 use fiberwalk::results::{About, Stored};
 use fiberwalk::{Error, Result};
 use std::fmt::Write;
@@ -12,7 +12,9 @@ use std::path::PathBuf;
 /// Compare two results: whether they differ by more than noise, and by how much
 ///
 /// The error E is the root of the summed squared differences of the scattered light, noise removed, as a share of B.
-/// Results differ when a cell or the sum over all cells does so at a level of 0.001 each; the exit code is 1 then.
+/// Results differ when a cell, a part of a hemisphere, a hemisphere's total or the sum over all cells does so at a level of
+/// 0.001; the exit code is 1 then. Cells are also added up over all incident cells. Where no scattered light could be tested,
+/// the answer is that walks are too few to tell; the exit code is 0 then.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Result folder, or a tally.exr
@@ -38,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
              --seed, or pass --same-seed"
         )));
     }
-    let comparison = compare(&a.tally, &b.tally);
+    let comparison = compare(&a.tally, &b.tally, &a.about.goniometer()?, [a, b].map(Stored::walks_a_ray));
     let mut text = String::new();
     for (name, stored) in ["A", "B"].into_iter().zip(&stored) {
         let tally = &stored.tally;
@@ -57,55 +59,100 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ))),
         None if comparison.differ() => Err(Error::Failed("the results differ".into())),
         Some(_) => print(&format!("the error is within {}\n", percent(arguments.within.unwrap_or_default()))),
-        None if comparison.tested == 0 => print("too few walks to tell: no cell could be tested\n"),
-        None => print("no difference was found\n"),
+        None if comparison.scattered() == 0 => print(&too_few(&comparison)),
+        None => print(&no_difference(&comparison)),
+    }
+}
+
+/// What is said where no scattered light could be tested.
+fn too_few(comparison: &Comparison) -> String {
+    match comparison.wanted {
+        None => "too few walks to tell: no light was scattered\n".into(),
+        Some(walks) => {
+            // Two digits are all that so few walks say.
+            let unit = 10f64.powf(walks.log10().floor() - 1.0).max(1.0);
+            let walks = grouped(((walks / unit).ceil() * unit) as u64);
+            format!("too few walks to tell: a total could be tested with some {walks} walks of each incident cell\n")
+        }
+    }
+}
+
+/// What is said where nothing differs.
+fn no_difference(comparison: &Comparison) -> String {
+    match comparison.found_from {
+        None => "no difference was found\n".into(),
+        Some(share) => {
+            format!(
+                "no difference was found; one of {} in a total would be in half of such comparisons\n",
+                percent(share)
+            )
+        }
     }
 }
 
 /// The error, direct light, cells and their sum.
 fn findings(about: &About, comparison: &Comparison) -> String {
-    let Comparison { error, resolution, direct, tested, seen, .. } = comparison;
+    let Comparison { error, resolution, direct, each, all, same_rays, .. } = comparison;
     let mut text = format!(
         "error     E = {} of the scattered light; noise alone would give up to {}\n",
         percent(*error),
         percent(*resolution)
     );
     let (difference, start) = direct;
-    let place = about.start_name(*start);
-    let _ = writeln!(text, "direct    differs by {difference:+.2e} at most, {place}");
-    let _ = write!(text, "cells     {} of {} with light have walks enough to be tested", grouped(*tested as u64), seen);
-    let _ = match &comparison.cell {
-        Some(cell) => {
-            writeln!(text, "; the farthest apart has p = {:.2e}:\n          {}", cell.probability, named(about, cell))
-        }
-        None => writeln!(text),
+    let _ = match same_rays {
+        true => writeln!(text, "direct    from the same straight rays in both"),
+        false => writeln!(text, "direct    differs by {difference:+.2e} at most, {}", about.start_name(*start)),
     };
-    if let Some(pooled) = comparison.pooled {
-        let channel = &about.channels[pooled.channel];
+    let of = |Tested { tested, seen }: Tested| format!("{} of {}", grouped(tested as u64), grouped(seen as u64));
+    let untouched = if *same_rays { String::new() } else { format!(", {} of direct light", of(each.direct)) };
+    let _ = writeln!(text, "cells     {} of scattered light{untouched} have walks enough to be tested", of(each.cells));
+    let pools = |Counted { parts, totals, .. }: &Counted| format!("{} parts and {} totals", of(*parts), of(*totals));
+    let _ = writeln!(text, "pools     {} of hemispheres of single incident cells", pools(each));
+    if all.cells.seen > 0 {
+        let _ = writeln!(text, "          {} cells, {} of all incident cells together", of(all.cells), pools(all));
+    }
+    if let Some(pool) = &comparison.farthest {
+        let _ = writeln!(text, "farthest  p = {:.2e}:\n          {}", pool.probability, named(about, pool));
+    }
+    if let Some(sum) = comparison.sum {
+        let channel = &about.channels[sum.channel];
         let of = if about.channels.len() > 1 { format!(" in {channel}") } else { String::new() };
         let _ = writeln!(
             text,
-            "together  χ² = {:.1} of {} degrees of freedom{of}, p = {:.2e}",
-            pooled.chi_square,
-            grouped(pooled.freedom as u64),
-            pooled.probability
+            "together  χ² = {:.1} of {} degrees of freedom{of}{}, p = {:.2e}",
+            sum.chi_square,
+            grouped(sum.freedom as u64),
+            if sum.all { ", all incident cells together" } else { "" },
+            sum.probability
         );
     }
     let _ = writeln!(text, "          (a p is for the whole family of tests; below {LEVEL} the results differ)");
     text
 }
 
-/// Where a cell is, and its light in both.
-fn named(about: &About, cell: &CellDifference) -> String {
+/// Which light differs, and how much of it both have.
+fn named(about: &About, difference: &PoolDifference) -> String {
     let exits = about.exit.cells();
-    let place = match cell.bin {
-        bin if bin < exits => format!("reflection, exit cell {bin}"),
-        bin if bin < 2 * exits => format!("transmission, exit cell {}", bin - exits),
-        _ => "direct light".into(),
+    let Pool { incoming, outgoing } = difference.pool;
+    let from = match incoming {
+        Incoming::Start(start) => about.start_name(start),
+        Incoming::Side(side) => format!("{} all incident cells", about.sides.get(side).map_or("", |side| side.name())),
     };
-    let channel = if about.channels.len() > 1 { format!(", {}", about.channels[cell.channel]) } else { String::new() };
-    let [a, b] = cell.shares.map(estimate);
-    format!("{}, {place}{channel}: {a} against {b}", about.start_name(cell.start))
+    let hemisphere = |number: usize| if number == 0 { "reflection" } else { "transmission" };
+    let to = match outgoing {
+        Outgoing::Cell(bin) => format!("{}, exit cell {}", hemisphere(bin / exits), bin % exits),
+        Outgoing::Part(part) => {
+            let (ring, quadrant) = (part % PARTS / 4, part % 4);
+            let ring = if ring == 0 { "within" } else { "beyond" };
+            format!("{} {ring} 45°, φ {}° to {}°", hemisphere(part / PARTS), 90 * quadrant, 90 * (quadrant + 1))
+        }
+        Outgoing::Total(number) => format!("all {}", hemisphere(number)),
+        Outgoing::Direct => "direct light".into(),
+    };
+    let channel =
+        if about.channels.len() > 1 { format!(", {}", about.channels[difference.channel]) } else { String::new() };
+    let [a, b] = difference.shares.map(estimate);
+    format!("{from}, {to}{channel}: {a} against {b}")
 }
 
 fn percent(share: f64) -> String {

@@ -3,7 +3,7 @@
 use crate::cloth::{FiberGrid, Realization, Realizer, Way, Work};
 use crate::error::Result;
 use crate::goniometer::{Goniometer, Straight};
-use crate::scene::Scene;
+use crate::scene::{Packing, Scene};
 use crate::walk::{FirstHit, FirstHitBanks, FirstHits, MetFiber, Purpose, draw, uniform};
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -63,6 +63,16 @@ impl StraightRays {
     /// Numbers of the realizations that rays are to go through before the first walk.
     pub fn wanted() -> Range<u64> {
         0..SHOWN
+    }
+
+    /// Walks that set out along one ray, in the mean over the rays of a bank, of so many walks of each of so many starts.
+    pub fn walks_a_ray(packing: Packing, starts: usize, walks: u64) -> f64 {
+        let of_start = (RAYS / starts.max(1)).max(FEWEST) as f64;
+        match packing {
+            Packing::Random => (walks as f64 / (REALIZATIONS as f64 * of_start)).min(WALKS_A_RAY as f64),
+            // These rays serve all walks.
+            Packing::Separate => walks as f64 / (SHOWN as f64 * of_start),
+        }
     }
 
     /// Memory in bytes of the rays of so many starts, with a bank more that is made while they last.

@@ -89,6 +89,14 @@ impl Prepared {
         let first_hits = self.first_hits.as_deref().map(|banks| banks as &dyn FirstHitBanks);
         Implicit { engine, tables: &self.tables, straight: self.straight.as_deref(), first_hits }
     }
+
+    /// Walks that set out along one ray through a draw of the fibers, of so many walks of each start; none where walks are
+    /// independent.
+    pub fn walks_a_ray(&self, walks: u64) -> Option<f64> {
+        let banks = self.first_hits.as_ref()?;
+        let packing = if banks.walks_a_ray().is_some() { Packing::Random } else { Packing::Separate };
+        Some(StraightRays::walks_a_ray(packing, self.goniometer.starts(), walks))
+    }
 }
 
 /// Tabulate a scene.

@@ -4,7 +4,9 @@ use super::about::About;
 use super::exr::{layer, write_parts};
 use crate::bsdf::Bsdf;
 use crate::error::{Error, Result};
+use crate::explicit::StraightRays;
 use crate::goniometer::{BinLayout, Counts, Coverage, Moments, Outcome, Straight, Tally, Weights};
+use crate::scene::Packing;
 use exr::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -60,6 +62,16 @@ impl Stored {
     /// [`Error::Input`] when the incident directions are none.
     pub fn bsdf(&self) -> Result<Bsdf> {
         Ok(Bsdf::new(&self.tally, &self.about.goniometer()?, &self.about.channels))
+    }
+
+    /// Walks that set out along one ray through a draw of the fibers; none where walks are independent. Of walks through the
+    /// fibers themselves fewer share a draw than of those along the rays of a medium, for which they are taken.
+    pub fn walks_a_ray(&self) -> Option<f64> {
+        let is = |key: &str, value: &str| self.about.model[key] == value;
+        let explicit = is("medium", "explicit");
+        let packing = if is("packing", "separate") && !explicit { Packing::Separate } else { Packing::Random };
+        let walks = || StraightRays::walks_a_ray(packing, self.tally.starts(), self.tally.walks_per_incident());
+        (explicit || is("first_hit", "fibers")).then(walks)
     }
 
     /// Read a `tally.exr`, or that of a result folder.

@@ -2,7 +2,7 @@
 
 use crate::common::stats::{GATE, binomial_z, chi2_z};
 use crate::common::{Cloth, rgb, run};
-use fiberwalk::bsdf::{Comparison, Component, LEVEL, compare, noise, reciprocity};
+use fiberwalk::bsdf::{Comparison, Component, LEVEL, Outgoing, compare, noise, reciprocity};
 use fiberwalk::goniometer::{Goniometer, Tally};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::Side;
@@ -26,16 +26,21 @@ fn tally(cloth: &Cloth, seed: u64, walks: u64) -> Tally {
 
 /// Pairs of runs of `walks[0]` and `walks[1]` walks; B is of another cloth if one is given.
 fn pairs(cloth: &Cloth, other: &Cloth, walks: [u64; 2], count: u64) -> Vec<Comparison> {
-    let pair = |i| compare(&tally(cloth, 10_000 + i, walks[0]), &tally(other, 20_000 + i, walks[1]));
+    let goniometer = Goniometer::new(&cloth.scene().measure);
+    let pair = |i| {
+        let [a, b] =
+            [(cloth, 10_000, walks[0]), (other, 20_000, walks[1])].map(|(of, seed, walks)| tally(of, seed + i, walks));
+        compare(&a, &b, &goniometer, [None; 2])
+    };
     (0..count).into_par_iter().map(pair).collect()
 }
 
-/// Share of pairs whose probability is below a level: of the farthest cell, and of all together.
+/// Share of pairs whose probability is below a level: of the farthest pool, and of all together.
 fn shares(comparisons: &[Comparison], level: f64) -> [f64; 2] {
     let share = |of: fn(&Comparison) -> f64| {
         comparisons.iter().filter(|comparison| of(comparison) < level).count() as f64 / comparisons.len() as f64
     };
-    [share(|c| c.cell.map_or(1.0, |cell| cell.probability)), share(|c| c.pooled.map_or(1.0, |all| all.probability))]
+    [share(|c| c.farthest.map_or(1.0, |pool| pool.probability)), share(|c| c.sum.map_or(1.0, |sum| sum.probability))]
 }
 
 #[test]
@@ -45,7 +50,7 @@ fn equal_runs_are_called_different_as_often_as_stated() {
         for walks in [[6000, 6000], [4000, 32_000]] {
             let all = pairs(&cloth, &cloth, walks, PAIRS);
             let called = all.iter().filter(|comparison| comparison.differ()).count();
-            let tested = all.iter().map(|c| c.tested).min().unwrap_or_default();
+            let tested = all.iter().map(|c| c.each.cells.tested).min().unwrap_or_default();
             println!("{channels} channels, {walks:?}: {called} of {PAIRS} called different, {tested} cells or more");
             assert!(tested > least, "only {tested} cells were tested");
             // Two tests at 10⁻³ each: 0.4 expected, and more than 4 in 6 of 10⁵ such trials.
@@ -102,11 +107,12 @@ fn the_error_is_the_difference_without_its_noise() {
 fn direct_light_takes_part() {
     let thin = |length| Cloth { exit: 2, ..Cloth::new(length, crate::common::ISOTROPIC) }.lit_from("[[0, 0]]");
     let [a, b] = [(1.0, 1), (1.2, 2)].map(|(length, seed)| tally(&thin(length), seed, 400_000));
-    let comparison = compare(&a, &b);
+    let goniometer = Goniometer::new(&thin(1.0).scene().measure);
+    let comparison = compare(&a, &b, &goniometer, [None; 2]);
     let share = |tally: &Tally| tally.direct(0) as f64 / 400_000.0;
     assert_eq!(comparison.direct, (share(&a) - share(&b), 0));
-    let cell = comparison.cell.expect("it was tested");
-    assert!(cell.bin == 2 * 4 && comparison.differ(), "{comparison:?}");
+    let farthest = comparison.farthest.expect("it was tested");
+    assert!(farthest.pool.outgoing == Outgoing::Direct && comparison.differ(), "{comparison:?}");
 }
 
 /// Reciprocity as results report it: of reflection and transmission of both sides, in a dyed channel.

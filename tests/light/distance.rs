@@ -3,7 +3,8 @@
 
 use crate::common::stats::{GATE, mean_error};
 use fiberwalk::bsdf::{BlockTotals, Distance, block_noise, block_totals, compare, distance, noise};
-use fiberwalk::goniometer::{BinLayout, Counts, Coverage, Origin, Straight, Tally};
+use fiberwalk::goniometer::{Basis, BinLayout, Counts, Coverage, Goniometer, Incidence, Origin, Straight, Tally};
+use fiberwalk::scene::{BasisChoice, Side};
 use fiberwalk::walk::{Purpose, draw, uniform};
 use rayon::prelude::*;
 
@@ -134,11 +135,14 @@ fn equal_models_have_no_distance_and_their_error_is_on_the_safe_side() {
 fn walks_that_resemble_each_other_mislead_the_error_of_independent_ones() {
     // The negative control: E with the variance of independent walks takes the likeness of walks for a distance.
     let source = Source { clustered: 0.1, ..EQUAL };
+    let exit = Basis::new(BasisChoice::Polar { rings: 1, sectors: 2 });
+    let incidence = Incidence::Listed(vec![glam::DVec3::Z; 2]);
+    let goniometer = Goniometer { incidence, exit, sides: vec![Side::Front] };
     let naive: Vec<f64> = (0..SEEDS)
         .into_par_iter()
         .map(|seed| {
             let [a, b] = [2 * seed, 2 * seed + 1].map(|seed| source.blocks(seed));
-            let found = compare(&whole(&a), &whole(&b));
+            let found = compare(&whole(&a), &whole(&b), &goniometer, [None; 2]);
             found.error.powi(2) / found.resolution.powi(2)
         })
         .collect();

@@ -180,7 +180,7 @@ fn results_are_compared_and_what_cannot_be_compared_is_refused() {
     let compare = |arguments: &[&str]| place.run(&[&["compare"][..], arguments].concat());
     let same = compare(&["a", "b/tally.exr"]);
     assert_eq!((same.code, same.stderr.as_str()), (Some(0), ""), "{}", same.stdout);
-    assert!(same.stdout.ends_with("\nno difference was found\n"), "{}", same.stdout);
+    assert!(same.stdout.contains("\nno difference was found; one of "), "{}", same.stdout);
     let other = compare(&["a", "c"]);
     assert_eq!((other.code, other.stderr.as_str()), (Some(1), "error: the results differ\n"), "{}", other.stdout);
     let within = compare(&["a", "b", "--within", "20%"]);
@@ -200,4 +200,40 @@ fn results_are_compared_and_what_cannot_be_compared_is_refused() {
     place.write("torn/tally.exr", "no image");
     refused(&["torn", "a"], "not a tally of this program");
     refused(&["a", "b", "--within", "-1%"], "must be a share");
+}
+
+#[test]
+fn results_of_too_few_walks_are_not_called_equal() {
+    let place = Place::new();
+    for (cloth, seed, walks, folder) in [
+        ("felt", "1", "3", "a"),
+        ("nonwoven", "2", "3", "b"),
+        ("felt", "3", "2000", "c"),
+        ("nonwoven", "4", "2000", "d"),
+    ] {
+        let outcome = place.run(&[
+            "measure",
+            cloth,
+            "--walks",
+            walks,
+            "--quiet",
+            "--incident",
+            "2",
+            "--exit",
+            "32",
+            "--seed",
+            seed,
+            "-o",
+            folder,
+        ]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    }
+    let few = place.run(&["compare", "a", "b"]);
+    assert_eq!((few.code, few.stderr.as_str()), (Some(0), ""), "{}", few.stdout);
+    assert!(few.stdout.contains("\ntoo few walks to tell: a total could be tested with some "), "{}", few.stdout);
+    // Single cells are still too thin, totals are not.
+    let other = place.run(&["compare", "c", "d"]);
+    assert_eq!((other.code, other.stderr.as_str()), (Some(1), "error: the results differ\n"), "{}", other.stdout);
+    assert!(other.stdout.contains("\ncells     0 of "), "{}", other.stdout);
+    assert!(other.stdout.contains(" and 8 of 8 totals of hemispheres of single incident cells\n"), "{}", other.stdout);
 }

@@ -19,7 +19,7 @@
 //!   steeply its fibers are packed closer by the same factor ([`Statistics::densest`]).
 //! - Loops of a knit bend as little as they can at the stated density and loop length, with their axes a diameter apart
 //!   wherever yarns meet. Their sections stand across the axis; contact takes them as circles of the mean diameter.
-//! - Fibers fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),
+//! - Fibers, with their surface, fill their plies at random and independently, and may migrate, loop and end outside (Zhao, Luan, Bala 2016),
 //!   so they may overlap if they are not pushed apart. Loops of fibers follow the bends of their yarn, and so do hairs of a weave; hairs of a knit stand
 //!   on the tangent of their yarn where they leave it. Nothing keeps them out of other yarns.
 //! - Yarns run through the repeat without end; twist need not close over it, so each thread is cut at a random place, and
@@ -44,7 +44,7 @@ mod web;
 mod woven;
 
 pub use curves::Curve;
-pub use draws::DrawnFor;
+pub use draws::{DrawnFor, OF_USER};
 pub use grid::{FiberGrid, Way, Work};
 pub use realization::{Primitive, Realization};
 pub use realizer::Realizer;

@@ -7,14 +7,14 @@ use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
-/// A fiber of a yarn, by its place in the unit disc.
+/// A fiber of a yarn, by its place in its ply.
 #[derive(Clone, Copy, Debug)]
 pub struct Strand {
     /// Index of its kind in the scene.
     pub kind: usize,
     /// Azimuth of its ply's centre where the yarn starts, in radians.
     ply: f64,
-    /// Distance from its ply's centre; of a fiber that migrates, the one that its shares are of.
+    /// Distance from its ply's centre, 0 to 1 at the rim of the ply; of a fiber that migrates, the one that its shares are of.
     radius: f64,
     /// Azimuth about its ply's centre where the yarn starts, in radians.
     azimuth: f64,
@@ -73,21 +73,21 @@ impl Section {
     /// Largest |d(place)/ds| of any fiber.
     pub fn drift(&self) -> f64 {
         let (ply, own) = (TAU * self.yarn.twist.abs(), TAU * self.yarn.ply_twist.abs());
-        let [swing, rate] = self.swing();
-        self.largest() * ((1.0 - self.ply_radius) * ply + self.ply_radius * (own + swing * rate))
+        let ([swing, rate], [ring, largest]) = (self.swing(), self.largest());
+        ring * ply + largest * (own + swing * rate)
     }
 
     /// Largest |d²(place)/ds²| of any fiber in 1/mm.
     pub fn bend(&self) -> f64 {
         let (ply, own) = ((TAU * self.yarn.twist).powi(2), (TAU * self.yarn.ply_twist).powi(2));
         // Of r e^{iws} (m + a cos ks) it is at most r (m w² + a ((w + k)² + (w − k)²)/2) = r ((m + a) w² + a k²).
-        let [swing, rate] = self.swing();
-        self.largest() * ((1.0 - self.ply_radius) * ply + self.ply_radius * (own + swing * rate.powi(2)))
+        let ([swing, rate], [ring, largest]) = (self.swing(), self.largest());
+        ring * ply + largest * (own + swing * rate.powi(2))
     }
 
-    /// Largest distance of an axis from the middle of the yarn in mm.
-    fn largest(&self) -> f64 {
-        (self.yarn.width.max(self.yarn.height) / 2.0 - self.thinnest()).max(0.0)
+    /// Largest distance of a ply's centre from the middle of the yarn, and of an axis from its ply's centre, in mm.
+    fn largest(&self) -> [f64; 2] {
+        [self.ring().max_element(), self.room(self.thinnest_kind()).max_element()]
     }
 
     /// Amplitude of the migration in shares of the fiber's distance from its ply's centre, and its rate in radians per mm.
@@ -109,7 +109,7 @@ impl Section {
         let per_ply = self.yarn.fibers_per_ply as usize;
         let strand = |(place, kind): (usize, usize)| {
             let turn = (place / per_ply) as f64 / f64::from(self.yarn.plies);
-            let radius = self.ply_radius * self.draw_radius(rng);
+            let radius = self.draw_radius(rng);
             let azimuth = TAU * rng.random::<f64>();
             // A yarn without migration takes no number for it.
             let swing = self.yarn.migration.map_or(0.0, |_| TAU * rng.random::<f64>());
@@ -144,22 +144,45 @@ impl Section {
     /// left × up is its direction, so a positive twist makes a right-handed helix. `turn` is the angle in radians of the
     /// frame that the twist is counted against.
     pub fn place(&self, strand: &Strand, length: f64, turn: f64) -> DVec2 {
-        self.inside(strand.kind) * self.disc(strand, length, turn)
+        let [ply, own] = self.turned(strand, length, turn);
+        self.ring() * ply + self.room(strand.kind) * own
     }
 
-    /// Place of a fiber in the unit disc after a length of yarn.
+    /// Place of a fiber in the unit disc that the section is made of, after a length of yarn.
     pub fn disc(&self, strand: &Strand, length: f64, turn: f64) -> DVec2 {
-        let ply = (1.0 - self.ply_radius) * DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length + turn);
+        let [ply, own] = self.turned(strand, length, turn);
+        (1.0 - self.ply_radius) * ply + self.ply_radius * own
+    }
+
+    /// Direction of a fiber's ply from the middle of the yarn, a unit vector, and its place in the ply, a unit disc.
+    fn turned(&self, strand: &Strand, length: f64, turn: f64) -> [DVec2; 2] {
+        let ply = DVec2::from_angle(strand.ply + TAU * self.yarn.twist * length + turn);
         let turned = TAU * self.yarn.ply_twist * length;
         let radius = match &self.yarn.migration {
             None => strand.radius,
             Some(migration) => strand.radius * migration.share(strand.phase + migration.periods_per_turn * turned),
         };
-        ply + radius * DVec2::from_angle(strand.azimuth + turned + turn)
+        [ply, radius * DVec2::from_angle(strand.azimuth + turned + turn)]
     }
 
-    /// Semi-axes of the ellipse that the disc becomes: it keeps the surface of a fiber of this kind inside.
+    /// Semi-axes of the section in mm.
+    fn half(&self) -> DVec2 {
+        DVec2::new(self.yarn.width, self.yarn.height) / 2.0
+    }
+
+    /// Semi-axes of the ellipse that the plies' centres lie on in mm.
+    fn ring(&self) -> DVec2 {
+        (1.0 - self.ply_radius) * self.half()
+    }
+
+    /// Semi-axes of the ellipse about its ply's centre that the axis of a fiber of this kind lies in, in mm: its surface is in
+    /// the ply.
+    fn room(&self, kind: usize) -> DVec2 {
+        (self.ply_radius * self.half() - self.radii[kind]).max(DVec2::ZERO)
+    }
+
+    /// Semi-axes of the ellipse of the axes of the outermost fibers of this kind in mm.
     fn inside(&self, kind: usize) -> DVec2 {
-        (DVec2::new(self.yarn.width, self.yarn.height) / 2.0 - self.radii[kind]).max(DVec2::ZERO)
+        (self.half() - self.radii[kind]).max(DVec2::ZERO)
     }
 }

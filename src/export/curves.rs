@@ -5,19 +5,18 @@
 //! draws the pieces as they are. Its `bsplinecurve` refuses curves of fewer than four points, so short ones get more on
 //! their pieces; it rounds corners and ends curves a piece early. One shape has one material: write one kind of fiber a file.
 
-use crate::cloth::{Cloth, Curve};
+use crate::cloth::{Cloth, Curve, Realization};
+use crate::scene::Packing;
 use glam::DVec3;
 use std::io::{Result, Write};
 use std::ops::RangeInclusive;
 
 /// Repeats that may be written along an axis.
 pub const REPEATS: RangeInclusive<u32> = 1..=1000;
-/// Realizations are those of the distribution calculator.
-const SEED: u64 = 0;
 /// Fewest points of a curve that Mitsuba reads as a B-spline.
 const FEWEST: usize = 4;
-/// Longest name in the header in characters: Mitsuba's lines have fewer than 1024.
-const LONGEST_NAME: usize = 200;
+/// Longest name in the header in bytes: Mitsuba's lines have fewer than 1024.
+const LONGEST_NAME: usize = 400;
 
 /// How curves are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +32,10 @@ pub enum CurveFormat {
 pub struct CurveChoice {
     /// Number of the realization.
     pub realization: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// How its fibers were laid.
+    pub packing: Packing,
     /// Repeats along x and y.
     pub repeats: [u32; 2],
     /// The only kind of fiber that is written; none for all.
@@ -50,13 +53,14 @@ pub struct CurveCounts {
     pub length: f64,
 }
 
-/// Write the fibers of a realization, thread by thread; repeats follow each other, each moved by a whole number of periods.
-/// Fibers run on beyond the repeat and start where their thread is cut.
+/// Write the fibers of a realization of a cloth, in their order, thread by thread; repeats follow each other, each moved by a
+/// whole number of periods. Fibers run on beyond the repeat and start where their thread is cut.
 ///
 /// # Errors
 /// What the writer says.
 pub fn write_curves(
     cloth: &Cloth,
+    drawn: &Realization,
     name: &str,
     format: CurveFormat,
     choice: &CurveChoice,
@@ -71,18 +75,11 @@ pub fn write_curves(
     let shifts = (0..choice.repeats[1]).flat_map(|y| (0..choice.repeats[0]).map(move |x| [x, y]));
     for [x, y] in shifts {
         let shift = (cloth.period() * glam::DVec2::new(f64::from(x), f64::from(y))).extend(0.0);
-        for thread in 0..cloth.threads().len() {
-            let mut written = Ok(());
-            cloth.draw_thread(SEED, choice.realization, thread, &mut |curve| {
-                if written.is_err() || choice.kind.is_some_and(|kind| kind != curve.kind) {
-                    return;
-                }
-                written = match format {
-                    CurveFormat::Mitsuba => mitsuba(curve, shift, &header, &mut counts, out),
-                    CurveFormat::Obj => obj(cloth, curve, shift, &mut group, &mut counts, out),
-                };
-            });
-            written?;
+        for curve in drawn.fibers.iter().filter(|curve| choice.kind.is_none_or(|kind| kind == curve.kind)) {
+            match format {
+                CurveFormat::Mitsuba => mitsuba(curve, shift, &header, &mut counts, out)?,
+                CurveFormat::Obj => obj(cloth, curve, shift, &mut group, &mut counts, out)?,
+            }
         }
     }
     Ok(counts)
@@ -91,15 +88,21 @@ pub fn write_curves(
 /// What the curves are, line by line.
 fn header(cloth: &Cloth, name: &str, choice: &CurveChoice) -> Vec<String> {
     let visible = |c: char| if c.is_control() { ' ' } else { c };
-    let name: String = name.chars().take(LONGEST_NAME).map(visible).collect();
+    let mut bytes = 0;
+    let fits = |c: &char| {
+        bytes += c.len_utf8();
+        bytes <= LONGEST_NAME
+    };
+    let name: String = name.chars().take_while(fits).map(visible).collect();
     let (size, [nx, ny]) = (cloth.size(), choice.repeats);
     let axes = if cloth.knit().is_some() { "x courses, y wales" } else { "x weft, y warp" };
     vec![
         format!("fiberwalk {}: {name}", env!("CARGO_PKG_VERSION")),
         format!(
-            "in mm; {axes}, z up from the front's highest point, the back at {:.6}; seed {SEED}, realization {}",
-            -size.z, choice.realization
+            "in mm; {axes}, z up from the front's highest point, the back at {:.6}; seed {}, realization {}",
+            -size.z, choice.seed, choice.realization
         ),
+        format!("fibers {}", choice.packing.description()),
         format!("period {:.9} {:.9}; repeats {nx}x{ny}; fibers run on beyond the period", size.x, size.y),
     ]
 }

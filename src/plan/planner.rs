@@ -234,8 +234,9 @@ impl Planner<'_> {
             model_error,
             noise: noise.unwrap_or(self.tolerance),
             reason: format!(
-                "separate fibers take too long to be drawn for a pilot; of other cloths {}",
-                told(model_error)
+                "separate fibers take too long to be drawn for a pilot; of other cloths {}{}",
+                told(model_error),
+                if noise.is_none() { ", and the noise alone is held to the tolerance" } else { "" }
             ),
             candidates: Vec::new(),
             pilot_seconds: 0.0,

@@ -56,6 +56,16 @@ pub enum Packing {
     Separate,
 }
 
+impl Packing {
+    /// How fibers are laid, and whether they overlap, in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Packing::Random => "laid at random, so they may overlap",
+            Packing::Separate => "moved apart, so they do not overlap",
+        }
+    }
+}
+
 /// What the light goes through.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

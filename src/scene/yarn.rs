@@ -187,24 +187,31 @@ fn read_yarn(name: &str, table: &Table, fibers: &[Fiber]) -> Result<Yarn> {
     Ok(yarn)
 }
 
-/// Refuse fibers that the section cannot hold.
+/// Refuse fibers that their ply cannot hold.
 fn check_room(yarn: &Yarn, table: &Table, fibers: &[Fiber]) -> Result<()> {
     let narrow = yarn.width.min(yarn.height);
+    let ply = narrow * yarn.ply_radius();
     for &(kind, _) in &yarn.blend {
         let thickness = 2.0 * fibers[kind].radius;
-        if thickness > narrow * (1.0 + 1e-12) {
-            let message = format!(
-                "fiber `{}` is {} µm thick, but the yarn is only {} µm; raise `width_um` and `height_um`",
-                fibers[kind].name,
-                round(thickness / UM),
-                round(narrow / UM),
-            );
+        if thickness > ply * (1.0 + 1e-12) {
+            let (name, thickness) = (&fibers[kind].name, thickness / UM);
+            let room = match yarn.plies {
+                1 => format!("the yarn is only {} µm; raise `width_um` and `height_um`", round(narrow / UM)),
+                plies => format!(
+                    "each of {plies} plies is only {} µm in a yarn of {}; raise `width_um` and `height_um` to {} or take fewer \
+                     plies",
+                    round(ply / UM),
+                    round(narrow / UM),
+                    up(thickness / yarn.ply_radius()),
+                ),
+            };
+            let message = format!("fiber `{name}` is {} µm thick, but {room}", round(thickness));
             return Err(table.require("fiber")?.error(message));
         }
     }
     let packing = yarn.packing(fibers);
-    // A lone fiber may fill its yarn.
-    if yarn.fibers() > 1 && packing > MAX_VOLUME_FRACTION {
+    // A lone fiber may fill its ply.
+    if yarn.fibers_per_ply > 1 && packing > MAX_VOLUME_FRACTION {
         let whose = if yarn.plies > 1 { "the section of the plies" } else { "the yarn's section" };
         let message = format!(
             "fibers fill {packing:.2} of {whose}, but at most {MAX_VOLUME_FRACTION} is possible: lower `fibers_per_ply` \
@@ -244,6 +251,11 @@ fn read_profile(value: &Value) -> Result<RadialProfile> {
 /// A length as a user would write it.
 pub(super) fn round(number: f64) -> f64 {
     (number * 1e3).round() / 1e3
+}
+
+/// A length in µm that is no shorter, to a tenth.
+fn up(number: f64) -> f64 {
+    (number * 10.0 - 1e-6).ceil() / 10.0
 }
 
 #[cfg(test)]

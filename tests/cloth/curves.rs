@@ -2,7 +2,8 @@
 
 use crate::common::program::Place;
 use crate::common::woven::{Woven, Yarn};
-use fiberwalk::cloth::{Cloth, Curve};
+use fiberwalk::cloth::{Cloth, Curve, DrawnFor, Realizer};
+use fiberwalk::scene::{Packing, Scene, Source};
 use glam::DVec3;
 use std::path::Path;
 use std::process::Command;
@@ -16,11 +17,11 @@ fn woven() -> Woven {
     Woven::of(&["X..", ".X.", "..X"], yarn, 20.0)
 }
 
-/// The fibers of a realization.
+/// The fibers of a realization of the explicit model.
 fn drawn(cloth: &Cloth, number: u64) -> Vec<Curve> {
     let mut curves = Vec::new();
     for thread in 0..cloth.threads().len() {
-        cloth.draw_thread(0, number, thread, &mut |curve| curves.push(curve.clone()));
+        cloth.draw_thread(1, DrawnFor::Fibers.number(number, 0), thread, &mut |curve| curves.push(curve.clone()));
     }
     curves
 }
@@ -100,6 +101,41 @@ fn files_hold_the_fibers_of_the_realization() {
             }
         }
     }
+}
+
+#[test]
+fn curves_lie_as_the_cloth_file_or_the_flag_says() {
+    let place = Place::new();
+    let woven = Woven::of(&[".X", "X."], Yarn::new(7, 60.0, 60.0, "ply_twist_per_m = 400"), 60.0);
+    std::fs::write(place.path("apart.toml"), woven.text() + "[model]\npacking = \"separate\"\n")
+        .expect("it can be written");
+    let scene = Scene::parse(&Source::find(&place.path("apart.toml").to_string_lossy()).expect("it is there"));
+    let scene = scene.expect("it is right");
+    let fibers = |packing| {
+        let drawn = Realizer::new(&scene, packing, DrawnFor::Fibers).and_then(|realizer| realizer.draw(3));
+        drawn.unwrap_or_else(|error| panic!("{error}")).fibers
+    };
+    let (apart, random) = (fibers(Packing::Separate), fibers(Packing::Random));
+    let same = |points: &[(Vec<DVec3>, String)], fibers: &[Curve]| {
+        points.iter().zip(fibers).all(|((points, _), fiber)| {
+            points.len() == fiber.points.len() && points.iter().zip(&fiber.points).all(|(a, b)| a.distance(*b) < 1e-6)
+        })
+    };
+    for (flags, drawn, other, words) in [
+        (&[][..], &apart, &random, "moved apart, so they do not overlap"),
+        (&["--packing", "separate"], &apart, &random, "moved apart, so they do not overlap"),
+        (&["--packing", "random"], &random, &apart, "laid at random, so they may overlap"),
+    ] {
+        let outcome = place.run(&[&["curves", "apart.toml", "--to", "obj", "--realization", "3"], flags].concat());
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        let text = std::fs::read_to_string(place.path("apart.obj")).expect("it is there");
+        assert!(outcome.stdout.contains(words) && text.contains(&format!("# fibers {words}\n")), "{}", outcome.stdout);
+        let read = read_obj(&text);
+        assert!(read.len() == drawn.len() && same(&read, drawn), "{flags:?}");
+        assert!(!same(&read, other), "{flags:?}");
+    }
+    let outcome = place.run(&["curves", "apart.toml", "--to", "obj", "--packing", "dense"]);
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("random, separate"), "{}", outcome.stderr);
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod common;
 mod calculator;
 mod cells;
 mod curves;
+mod filaments;
 mod hairs;
 mod knit;
 mod openness;

@@ -3,10 +3,12 @@
 use crate::common::stats::{GATE, chi2_z, mean_error};
 use crate::common::woven::{Woven, Yarn, crossing, fibers};
 use fiberwalk::cloth::{Cloth, Primitive, System};
-use fiberwalk::scene::RadialProfile;
+use fiberwalk::scene::{RadialProfile, Scene, Source};
 use std::f64::consts::TAU;
 
 const PLAIN: &[&str] = &[".X", "X."];
+/// Radius of seven equal circles that touch each other and the rim of the unit disc.
+const PLY: f64 = 0.302_6;
 /// Kolmogorov–Smirnov: √n D above this has a probability of 10⁻³ (2 exp(−2 x²)).
 const KOLMOGOROV: f64 = 1.95;
 
@@ -211,7 +213,7 @@ fn plies_lie_at_their_radius_and_turn_with_the_twist_of_the_yarn() {
     let third = |draw: u64, plane: f64| {
         let mut sum = [0.0; 2];
         for fiber in fibers(&cloth, 4, draw, 0) {
-            let [a, b] = crossing(&cloth, &thread, &fiber, plane).map(|x| x / 0.145);
+            let [a, b] = crossing(&cloth, &thread, &fiber, plane).map(|x| x / 0.15);
             sum = [sum[0] + a * a * a - 3.0 * a * b * b, sum[1] + 3.0 * a * a * b - b * b * b];
         }
         (sum[0].hypot(sum[1]) / 300.0, sum[1].atan2(sum[0]) / 3.0)
@@ -231,6 +233,53 @@ fn plies_lie_at_their_radius_and_turn_with_the_twist_of_the_yarn() {
     };
     // The planes are 0.3 of 1 mm apart: the thread is cut between them in three of ten draws. By chance one in seven fits.
     assert!(turned(0.4) >= 16 && turned(-0.4) < 10 && turned(-0.5) < 10, "{angles:?}");
+}
+
+/// Least distance of the axes of two fibers of one ply and of two plies over their diameter, at a plane across an end.
+fn nearest(plies: u32, fibers_per_ply: u32, size: f64) -> [f64; 2] {
+    let lines = if plies > 1 { "twist_per_m = 300\nply_twist_per_m = -200" } else { "twist_per_m = 300" };
+    let yarn = Yarn { plies, ..Yarn::new(fibers_per_ply, size, size, lines) };
+    let cloth = Woven { warp_crimp_share: 0.0, ..Woven::of(PLAIN, yarn, 20.0) }.cloth();
+    let mut nearest = [f64::INFINITY; 2];
+    for draw in 0..50 {
+        let all = fibers(&cloth, 3, draw, 0);
+        let places: Vec<[f64; 2]> = all.iter().map(|fiber| crossing(&cloth, &cloth.threads()[0], fiber, 0.3)).collect();
+        for (index, a) in places.iter().enumerate() {
+            for (other, b) in places[..index].iter().enumerate() {
+                let two = usize::from(index as u32 / fibers_per_ply != other as u32 / fibers_per_ply);
+                nearest[two] = nearest[two].min((a[0] - b[0]).hypot(a[1] - b[1]) / 0.01);
+            }
+        }
+    }
+    nearest
+}
+
+#[test]
+fn fibers_of_two_plies_are_a_diameter_apart_however_few_they_are() {
+    // Pieces are a tenth of the radius off the fiber at most, both together a tenth of the diameter.
+    for [plies, fibers] in [[7, 1], [2, 1], [2, 11], [4, 3]] {
+        let found = nearest(plies, fibers, 76.0)[1];
+        assert!(found > 0.9, "{plies} plies of {fibers}: {found}");
+    }
+    // Within a ply fibers may overlap, and so may fibers of one yarn without plies.
+    assert!(nearest(2, 11, 76.0)[0] < 0.3 && nearest(1, 7, 76.0)[0] < 0.3);
+    // Plies that are as thin as their fibers lay them where they touch.
+    let touching = nearest(7, 1, 10.001 / PLY)[1];
+    assert!((touching - 1.0).abs() < 0.1, "{touching}");
+}
+
+#[test]
+fn a_ply_thinner_than_its_fiber_is_refused_and_each_cure_works() {
+    let read = |plies: u32, height_um: f64| {
+        let text = Woven::of(PLAIN, Yarn { plies, ..Yarn::new(9, 400.0, height_um, "") }, 20.0).text();
+        Scene::parse(&Source { file: "test.toml".into(), stem: "test".into(), text, folder: None }).map(|_| ())
+    };
+    // Of three plies each is 1 / (1 + 2/√3) = 0.464 of the yarn.
+    let message = read(3, 20.0).expect_err("9.3 µm is less than 10").to_string();
+    for part in ["`thin` is 10 µm thick, but each of 3 plies is only 9.282 µm", "to 21.6 or take fewer plies"] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(read(3, 21.6).is_ok() && read(2, 20.0).is_ok() && read(3, 21.5).is_err());
 }
 
 #[test]

@@ -19,10 +19,12 @@ struct Case {
 }
 
 impl Case {
+    /// Of a preset whose fibers may overlap: separate ones get no pilot.
     fn new(name: &str, walks: u64) -> Case {
         let mut scene = Scene::parse(&Source::find(name).expect("a preset")).expect("it is fine");
         scene.measure.set_from_flag("incident", DIRECTIONS).expect("they are fine");
         scene.measure.set_from_flag("exit", "8").expect("it is fine");
+        scene.model.set_from_flag("packing", "random").expect("it is fine");
         let extent = Extent::of(&scene).expect("it can be laid out");
         let mut case = Case { walks, scene, extent, fibers: Vec::new() };
         case.fibers = case.blocks(Configuration::fibers(&case.scene, 1024), 1);
@@ -95,4 +97,23 @@ fn without_the_fibers_to_choose_a_medium_is_taken_and_it_is_said_that_none_does(
     let plan = plan(&case.scene, &case.extent, 0.002, engine, 1, false, false).expect("there is a plan").0;
     assert_eq!(plan.configuration().model.medium, Medium::Implicit);
     assert!(plan.reason.starts_with("no medium is expected to meet the tolerance"), "{}", plan.reason);
+}
+
+/// Where separate fibers are not drawn, the medium that every other stop rule takes is taken, and it is said what is not known.
+#[test]
+fn without_a_pilot_the_usual_medium_is_taken_and_its_error_is_stated() {
+    let scene = Scene::parse(&Source::find("nonwoven").expect("a preset")).expect("it is fine");
+    let extent = Extent::of(&scene).expect("it can be laid out");
+    let planned = |tolerance| {
+        let engine = (gpu() as &dyn fiberwalk::walk::Engine, EngineClass::SoftwareGpu);
+        plan(&scene, &extent, tolerance, engine, 1, true, true).expect("there is a plan").0
+    };
+    let (loose, tight) = (planned(0.1), planned(0.05));
+    for plan in [&loose, &tight] {
+        assert_eq!(plan.apply(&scene, &extent).model, scene.model);
+        assert!(plan.model_error.value > 0.05 && plan.reason.contains("of other cloths 5.8"), "{}", plan.reason);
+    }
+    assert!(loose.noise < 0.08 && tight.noise == 0.05);
+    let held = |plan: &Plan| plan.reason.contains("the noise alone is held to the tolerance");
+    assert!(held(&tight) && !held(&loose));
 }

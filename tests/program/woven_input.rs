@@ -190,6 +190,12 @@ fn fibers_fit_into_their_yarns() {
             "width_um = 400\nheight_um = 11",
             "5:9: fiber `cotton` is 12 µm thick, but the yarn is only 11 µm; raise `width_um` and `height_um`",
         ),
+        (
+            a,
+            "width_um = 400\nheight_um = 20\nplies = 3",
+            "5:9: fiber `cotton` is 12 µm thick, but each of 3 plies is only 9.282 µm in a yarn of 20; raise `width_um` and \
+             `height_um` to 25.9 or take fewer plies",
+        ),
         (b, "width_um = 300", "9:1: [yarn.b] needs `height_um`"),
         (
             b,

@@ -6,7 +6,7 @@ use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop};
-use fiberwalk::scene::{Packing, Placement, Scene, Structure};
+use fiberwalk::scene::{Placement, Scene, Structure};
 use fiberwalk::tables::Kind;
 use std::f64::consts::PI;
 
@@ -77,10 +77,7 @@ fn woven(prepared: &Prepared, gathering: &Gathering) -> Vec<String> {
 /// The fibers, and what sends walks through them.
 pub fn of_fibers(scene: &Scene, explicit: &Explicit, goniometer: &Goniometer) -> Vec<String> {
     let [pieces, grid] = explicit.bytes().map(|bytes| bytes as f64 / f64::from(1 << 20));
-    let packing = match scene.model.packing {
-        Packing::Random => "laid at random, so they may overlap",
-        Packing::Separate => "moved apart, so they do not overlap",
-    };
+    let packing = scene.model.packing.description();
     let walks = explicit.walks_of_start(goniometer.starts());
     let mut lines = vec![
         format!(

@@ -2,6 +2,7 @@
 
 use super::chains::Chains;
 use super::neighbours::Neighbours;
+use super::relax::END;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -32,7 +33,9 @@ pub fn covered(chains: &Chains, neighbours: &Neighbours) -> f64 {
                 let (from, along) = (point - start, end - start);
                 let at = from.dot(along) / along.length_squared();
                 let radius = chains.radius_at(neighbour.piece as usize);
-                (0.0..1.0).contains(&at) && (from - along * at).length_squared() < radius * radius
+                (0.0..1.0).contains(&at)
+                    && (from - along * at).length_squared() < radius * radius
+                    && !chains.cut_between(piece, neighbour, [u, at], END)
             });
             1.0 / (1 + inside.count()) as f64
         };

@@ -24,18 +24,21 @@
 //!   voile spread by 5 % and their fibers get 0.8 % longer (`tests/cloth/packing.rs`).
 //! - Lists of neighbours are made anew after six sweeps at the earliest. A contact may be missed meanwhile, but the end is
 //!   decided on fresh lists with exact distances.
-//! - Ends that face each other, as where a thread is cut, do not touch within two radii. Neither do pieces of one fiber that
-//!   are nearer than four radii along it.
+//! - Pieces that are nearer than four radii along a fiber do not touch. A fiber that ends where it started one period on goes
+//!   on there: its ends move together, and lengths along it are counted past them.
+//! - Where the twist of a thread does not close, its fibers are cut. Their ends stay in the plane of the cut, and do not touch
+//!   the fibers of the next period, which start there, within two radii.
 
 mod chains;
 mod contact;
 mod covered;
+mod cut;
 mod neighbours;
 mod relax;
 
 use super::realization::Realization;
 use crate::error::Error;
-use chains::Chains;
+use chains::{Chains, Laid};
 use covered::covered;
 use glam::DVec3;
 use neighbours::Neighbours;
@@ -73,12 +76,17 @@ impl Separation {
 
 impl Realization {
     /// Push fibers apart until none runs deeper into another than 2 % of the sum of their radii, and together they cover
-    /// 0.995 of their volume or more. They get more corners, and stay as they were when that takes more than 400 sweeps.
-    pub(super) fn push_apart(&mut self) -> Separation {
+    /// 0.995 of their volume or more. They get corners of their own, and stay as they were when that takes more than 400 sweeps.
+    /// With `threads` those of one thread were cut in one place.
+    pub(super) fn push_apart(&mut self, threads: bool) -> Separation {
         if self.fibers.is_empty() {
             return Separation { penetration: 0.0, covered: 1.0, sweeps: 0 };
         }
-        let fibers = self.fibers.iter().map(|fiber| (fiber.points.as_slice(), fiber.radius));
+        let fibers = self.fibers.iter().map(|fiber| Laid {
+            points: &fiber.points,
+            radius: fiber.radius,
+            thread: (threads && !fiber.hair).then_some(fiber.thread),
+        });
         let mut chains = Chains::new(fibers, self.period, self.thickness);
         let (sweeps, penetration) = relax(&mut chains, TOLERANCE, SWEEPS);
         let covered = covered(&chains, &Neighbours::new(&chains));
@@ -91,18 +99,27 @@ impl Realization {
         separation
     }
 
-    /// Why its fibers are refused.
-    pub(super) fn refusal(&self, left: &Separation) -> Error {
-        Error::Input(format!(
-            "the fibers fill {:.2} of the cloth and cannot be laid apart: after {} sweeps two of them still run {:.0} % of a \
-             diameter into each other, and all together cover {:.4} of their volume; allowed: {:.0} %, {COVERED}. Give the yarns \
-             more room or take fewer fibers, or packing = \"random\"",
-            self.volume_fraction(),
-            left.sweeps,
-            100.0 * left.penetration,
-            left.covered,
-            100.0 * TOLERANCE,
-        ))
+    /// Why its fibers are refused after so many draws, of the threads of a cloth or of a sheet.
+    pub(super) fn refusal(&self, left: &Separation, threads: bool, draws: u64) -> Error {
+        let (fill, sweeps, cover) = (self.volume_fraction(), left.sweeps, left.covered);
+        let [deep, allowed] = [left.penetration, TOLERANCE].map(|depth| 100.0 * depth);
+        let cover = format!("all together cover {cover:.4} of their volume");
+        let found = match (left.penetration > TOLERANCE, left.fills()) {
+            (true, false) => format!(
+                "the fibers fill {fill:.2} of the cloth and cannot be laid apart: after {sweeps} sweeps two of them still run \
+                 {deep:.1} % of a diameter into each other, and {cover}; allowed: {allowed:.0} %, {COVERED}"
+            ),
+            (true, true) => format!(
+                "the fibers fill {fill:.2} of the cloth and cannot all be laid apart: in each of {draws} draws a few still run into \
+                 each other after {sweeps} sweeps, two of them by {deep:.1} % of a diameter; allowed: {allowed:.0} %"
+            ),
+            (false, _) => format!(
+                "the fibers fill {fill:.2} of the cloth and are too close: no two run deeper than {deep:.1} % of a diameter into \
+                 each other, but so many touch that {cover}; allowed: {COVERED}"
+            ),
+        };
+        let cure = if threads { "Give the yarns more room" } else { "Make the sheet thicker" };
+        Error::Input(format!("{found}. {cure} or take fewer fibers, or packing = \"random\""))
     }
 
     /// Σ π R² ℓ over the volume of the element: the share of it that is fiber, if none overlap.
@@ -111,5 +128,32 @@ impl Realization {
         let volume = |radius: f64, points: &[DVec3]| std::f64::consts::PI * radius.powi(2) * length(points);
         let volume: f64 = self.fibers.iter().map(|fiber| volume(fiber.radius, &fiber.points)).sum();
         volume / (self.period.x * self.period.y * self.thickness)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    #[test]
+    fn a_refusal_names_what_was_not_reached_and_who_needs_room() {
+        let drawn = Realization { fibers: Vec::new(), period: DVec2::ONE, thickness: 1.0 };
+        let said = |penetration: f64, covered: f64, threads: bool| {
+            let left = Separation { penetration, covered, sweeps: 400 };
+            assert!(!left.reached());
+            drawn.refusal(&left, threads, 3).to_string()
+        };
+        let (deep, cover) = ("of a diameter", "of their volume");
+        let dense = said(0.5, 0.9, false);
+        assert!(dense.contains("50.0 % of a diameter") && dense.contains("cover 0.9000 of their volume"), "{dense}");
+        assert!(dense.contains("Make the sheet thicker or take fewer fibers"), "{dense}");
+        // What was reached is no cause.
+        let few = said(0.074, 0.999, true);
+        assert!(few.contains("3 draws") && few.contains("7.4 % of a diameter") && !few.contains(cover), "{few}");
+        assert!(few.contains("Give the yarns more room or take fewer fibers"), "{few}");
+        let close = said(0.01, 0.99, true);
+        assert!(close.contains("cover 0.9900 of their volume; allowed: 0.995") && close.contains(deep), "{close}");
+        assert!(!close.contains("cannot") && !close.contains("2 %"), "{close}");
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Distance at which neighbours are listed, in sums of the radii beyond touching.
 const SKIN: f64 = 0.3;
-/// Pieces of one fiber nearer than this along it, in radii, are no neighbours.
+/// Pieces nearer than this along a fiber, in radii, are no neighbours.
 const OWN: f64 = 4.0;
 /// Pieces that are listed together.
 const BLOCK: usize = 1024;
@@ -164,7 +164,7 @@ impl Grid {
                 }
                 let number = other.piece as usize;
                 let shift = [0, 1].map(|axis| ball.turns[axis] + over[axis] as i16 - other.turns[axis]);
-                if shift == [0, 0] && along(chains, piece, number) < OWN * radius {
+                if chains.between(piece, number, shift) < OWN * radius {
                     continue;
                 }
                 let neighbour = Neighbour { piece: other.piece, shift };
@@ -195,13 +195,4 @@ fn ball(chains: &Chains, piece: usize) -> Ball {
 fn image(periods: [i32; 2], period: DVec2) -> DVec3 {
     let [x, y] = periods.map(f64::from);
     DVec3::new(x * period.x, y * period.y, 0.0)
-}
-
-/// Length of fiber between two pieces; infinite between pieces of two fibers.
-fn along(chains: &Chains, piece: usize, other: usize) -> f64 {
-    if chains.fiber[piece] != chains.fiber[other] {
-        return f64::INFINITY;
-    }
-    let (first, last) = (piece.min(other), piece.max(other));
-    chains.along[last] - chains.along[(first + 1).min(last)]
 }

@@ -16,8 +16,8 @@ const KEPT: f64 = 0.5;
 const LEAST_WEIGHT: f64 = 0.5;
 /// Sweeps with the same lists at least.
 const SAME_LISTS: u32 = 6;
-/// Ends that face each other do not touch so near to them, in radii.
-const END: f64 = 2.0;
+/// Where a thread is cut its fibers do not touch those of the next period so near to their ends, in radii.
+pub const END: f64 = 2.0;
 /// Axes nearly meet below this distance in sums of the radii.
 const MEET: f64 = 0.1;
 /// Axes cross when the sine of their angle is above this.
@@ -68,17 +68,21 @@ pub fn relax(chains: &mut Chains, tolerance: f64, most: u32) -> (u32, f64) {
 /// Move all corners; the longest way of any.
 fn step(chains: &mut Chains, pushes: &[Push], steps: &mut Vec<DVec3>) -> f64 {
     let asked: Vec<DVec3> = each(chains, |corner| {
-        let (mut way, mut weight) = (pushes[corner].way[0], pushes[corner].weight[0]);
-        if corner > 0 {
-            way += pushes[corner - 1].way[1];
-            weight += pushes[corner - 1].weight[1];
+        let (mut way, mut weight) = (DVec3::ZERO, 0.0);
+        let [before, after] = chains.pieces_at(corner);
+        for (piece, end) in [(after, 0), (before, 1)] {
+            if let Some(piece) = piece {
+                way += pushes[piece].way[end];
+                weight += pushes[piece].weight[end];
+            }
         }
         way * (STEP / weight.max(LEAST_WEIGHT))
     });
     let moves: Vec<[DVec3; 2]> = each(chains, |corner| {
         // Spread it along the fiber.
-        let before = if corner > 0 && chains.starts(corner - 1) { asked[corner - 1] } else { asked[corner] };
-        let after = if chains.starts(corner) { asked[corner + 1] } else { asked[corner] };
+        let [before, after] = chains.pieces_at(corner);
+        let before = before.map_or(asked[corner], |piece| asked[piece]);
+        let after = after.map_or(asked[corner], |piece| asked[piece + 1]);
         let spread = (before + asked[corner] * 2.0 + after) / 4.0;
         let to = chains.moved(corner, steps[corner] * KEPT + spread);
         [to, to - chains.points[corner]]
@@ -102,7 +106,7 @@ fn push(chains: &Chains, piece: usize, neighbours: &[Neighbour]) -> Push {
         let touching = chains.radius_at(piece) + chains.radius_at(other);
         let wanted = touching * ROOM;
         let square = found.apart.length_squared();
-        if square >= wanted * wanted || cut(chains, [piece, other], found.shares) {
+        if square >= wanted * wanted || chains.cut_between(piece, neighbour, found.shares, END) {
             continue;
         }
         let distance = square.sqrt();
@@ -134,15 +138,6 @@ fn side(own: [DVec3; 2], ends: [DVec3; 2], order: f64, apart: DVec3, touching: f
     if height.abs() > ON_NEITHER * touching { normal * height.signum() } else { normal }
 }
 
-/// Whether points of two pieces lie near ends that face each other, as where a thread is cut.
-fn cut(chains: &Chains, pieces: [usize; 2], shares: [f64; 2]) -> bool {
-    let near = |index: usize| {
-        let (left, out) = chains.end_of(pieces[index], shares[index]);
-        (left <= END * chains.radius_at(pieces[index])).then_some(out)
-    };
-    near(0).is_some_and(|out| near(1).is_some_and(|other| out.dot(other) < 0.0))
-}
-
 /// Deepest overlap of any two pieces over the sum of their radii.
 fn deepest(chains: &Chains, neighbours: &Neighbours) -> f64 {
     let of = |piece: usize| {
@@ -150,7 +145,11 @@ fn deepest(chains: &Chains, neighbours: &Neighbours) -> f64 {
             let other = neighbour.piece as usize;
             let found = closest(chains.ends(piece), neighbour.ends(chains));
             let touching = chains.radius_at(piece) + chains.radius_at(other);
-            if cut(chains, [piece, other], found.shares) { 0.0 } else { 1.0 - found.apart.length() / touching }
+            if chains.cut_between(piece, neighbour, found.shares, END) {
+                0.0
+            } else {
+                1.0 - found.apart.length() / touching
+            }
         };
         neighbours.of(piece).iter().map(depth).fold(0.0, f64::max)
     };

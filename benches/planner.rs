@@ -70,6 +70,8 @@ fn study(name: &str, listed: bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
+    // Separate fibers get no pilot.
+    scene.model.set_from_flag("packing", "random")?;
     let extent = Extent::of(&scene)?;
     let trial = Trial::prepare(&scene, &extent, Configuration::fibers(&scene, EACH))?;
     let seconds = trial.block(common::gpu(), trial.configuration().seed(1), 0, 0, WALKS)?.seconds;

@@ -11,7 +11,8 @@ cargo build --release --locked
 mkdir -p assets/figures/charts target/charts
 for cloth in "$@"; do
     folder=target/charts/$cloth
-    target/release/fiberwalk chart "$cloth" --time "${time}s" --force -o "$folder" > "$folder.txt.new" || exit
+    # Separate fibers of a felt take minutes to draw.
+    target/release/fiberwalk chart "$cloth" --packing random --time "${time}s" --force -o "$folder" > "$folder.txt.new" || exit
     mv "$folder.txt.new" "$folder.txt"
     cp "$folder/chart.svg" "assets/figures/charts/$cloth.svg"
     # Put the text between the marks of the cloth, without the names of the files.

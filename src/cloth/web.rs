@@ -78,6 +78,13 @@ impl Web {
         self.expected_pieces
     }
 
+    /// Pieces that a realization has, about, where none is longer than so many radii.
+    pub fn pieces_no_longer_than(&self, radii: f64) -> usize {
+        let of = |part: &SheetFibers| part.length_density / (radii * self.radii[part.kind]);
+        let density: f64 = self.sheet.fibers.iter().map(of).sum();
+        (density * self.period * self.period * self.sheet.thickness) as usize
+    }
+
     /// Size of the element along x and y in mm.
     pub fn period(&self) -> DVec2 {
         DVec2::splat(self.period)

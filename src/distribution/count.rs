@@ -171,3 +171,51 @@ pub fn count(pieces: &[Primitive], grids: &Grids) -> Count {
     }
     counted
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    /// Straight pieces that lean everywhere, of two kinds.
+    fn pieces() -> Vec<Primitive> {
+        let piece = |i: u32| {
+            let turn = f64::from(i) * 2.4;
+            let height = (f64::from(i) * 0.618).fract() - 0.5;
+            let direction = DVec3::new(turn.cos(), turn.sin(), height).normalize();
+            let at = |step: f64| (f64::from(i) * step).fract();
+            let centre = DVec3::new(at(0.7548), at(0.5698), -0.05 - 0.3 * at(0.3247));
+            Primitive { centre, direction, length: 0.06, radius: 0.005, kind: (i % 2) as usize, thread: 0 }
+        };
+        (0..500).map(piece).collect()
+    }
+
+    #[test]
+    fn lists_that_are_widened_are_those_that_are_counted_wide() {
+        // Counts that are no powers of two: the last list of a row is smaller.
+        let cells = CellGrid { counts: [11, 6, 5], period: DVec2::ONE, thickness: 0.4 };
+        let grids = |block| Grids { cells, block, raw: DirectionGrid { n: 8 }, voids: false, centroids: false };
+        let pieces = pieces();
+        let mut narrow = grids([1, 1, 1]);
+        let mut widened = count(&pieces, &narrow).directions;
+        for axis in [0, 2, 0, 1] {
+            widened = narrow.widen(axis, widened);
+        }
+        let wide = count(&pieces, &grids([4, 2, 2]));
+        assert_eq!(narrow.list_counts(), grids([4, 2, 2]).list_counts());
+        let surfaces = |counted: &FxHashMap<Key, Gathered>| {
+            let mut sorted: Vec<(Key, u64)> = counted.iter().map(|(key, found)| (*key, found.surface)).collect();
+            sorted.sort_unstable();
+            sorted
+        };
+        assert_eq!(surfaces(&widened), surfaces(&wide.directions));
+        for (key, found) in &widened {
+            let away = found.mean().cross(wide.directions[key].mean()).length();
+            assert!(away < 1e-12, "{key:?}: {away}");
+        }
+        // Along another axis it is another grid.
+        let mut other = grids([1, 1, 1]);
+        let lengthened = other.widen(1, count(&pieces, &other).directions);
+        assert_ne!(surfaces(&lengthened), surfaces(&wide.directions));
+    }
+}

@@ -200,8 +200,9 @@ impl Configuration {
             ..
         } = self.model;
         let mut name = String::new();
-        if packing == Packing::Separate {
-            name += "separate ";
+        let usual = Model::of(self.model.cone.is_some());
+        if packing != usual.packing {
+            name += if packing == Packing::Separate { "separate " } else { "random " };
         }
         if let (Medium::Explicit, Some(each)) = (medium, self.each) {
             return name + &format!("fibers {each}w{}", if self.anew { " anew" } else { "" });
@@ -216,7 +217,6 @@ impl Configuration {
             (None, None) => {}
         }
         let _ = write!(name, " {directions}d");
-        let usual = Model::of(self.model.cone.is_some());
         if let (Some(cone), true) = (self.cone_deg(), self.model.cone != usual.cone) {
             let _ = write!(name, " cone {}", short(cone));
         }

@@ -4,7 +4,7 @@ use super::cut::planes;
 use glam::{DVec2, DVec3};
 
 /// Longest piece in radii of its fiber.
-const LONGEST: f64 = 6.0;
+pub const LONGEST: f64 = 6.0;
 /// Corners nearer to each other than this, in radii, are left out where the fiber is straight.
 const SHORTEST: f64 = 1.5;
 /// It is straight where the corners that are left out lie this near to it, in radii.

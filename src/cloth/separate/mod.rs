@@ -38,6 +38,7 @@ mod relax;
 
 use super::realization::Realization;
 use crate::error::Error;
+pub(super) use chains::LONGEST;
 use chains::{Chains, Laid};
 use covered::covered;
 use glam::DVec3;

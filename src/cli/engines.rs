@@ -24,15 +24,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(name) => Some(Gpu::open(Some(name))?.adapter()),
         None => None,
     };
-    for (place, adapter) in adapters.iter().enumerate() {
+    for (place, found) in adapters.iter().enumerate() {
+        let adapter = &found.summary;
         if wanted.as_ref().is_some_and(|wanted| *wanted != adapter.description) {
             continue;
         }
-        let number = (place + 1).to_string();
-        print(&format!("gpu {number}  {}\n", describe(adapter)))?;
+        print(&format!("gpu {}  {}\n", place + 1, describe(adapter)))?;
         match &adapter.unfit {
             Some(why) => print(&format!("     cannot be used: {why}\n"))?,
-            None => check(&adapter.name, Gpu::open(Some(&number)), &mut failures)?,
+            None => check(&adapter.name, found.open(), &mut failures)?,
         }
     }
     if wanted.is_none() {

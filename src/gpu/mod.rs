@@ -13,6 +13,8 @@ mod buffers;
 mod device;
 mod engine;
 pub mod layout;
+mod loops;
+mod opening;
 mod pack;
 mod params;
 mod probe;
@@ -21,7 +23,7 @@ mod settings;
 pub mod shader;
 mod tuning;
 
-pub use adapter::{AdapterSummary, Kind, list};
+pub use adapter::{AdapterSummary, Found, Kind, list};
 pub use engine::Gpu;
 pub use probe::{Probe, ProbeInput, ProbeOutput};
 pub use settings::{Report, Settings};

@@ -21,6 +21,7 @@ mod probe;
 mod session;
 mod settings;
 pub mod shader;
+pub mod translate;
 mod tuning;
 
 pub use adapter::{AdapterSummary, Found, Kind, list};

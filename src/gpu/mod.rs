@@ -11,6 +11,8 @@
 mod adapter;
 mod buffers;
 mod device;
+mod drivers;
+mod elf;
 mod engine;
 pub mod layout;
 mod loops;
@@ -24,7 +26,8 @@ pub mod shader;
 pub mod translate;
 mod tuning;
 
-pub use adapter::{AdapterSummary, Found, Kind, list};
+pub use adapter::{AdapterSummary, Found, Kind, list, none};
+pub use drivers::{DriverFault, driver_faults};
 pub use engine::Gpu;
 pub use probe::{Probe, ProbeInput, ProbeOutput};
 pub use settings::{Report, Settings};

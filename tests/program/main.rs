@@ -5,6 +5,7 @@ mod common;
 
 mod chart;
 mod cli;
+mod engines;
 mod exports;
 mod floors;
 mod knit_hairs;

@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Stop when the walks have taken so long, such as 60s
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, group = "stop")]
     time: Option<Duration>,
-    /// What makes the walks; auto takes the best adapter, then a software adapter, then the processor
+    /// What makes the walks; auto takes a graphics processor, or the fastest of software adapters and the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     engine: Choice,
     /// Adapter by its number, its name or a part of its description (see `fiberwalk engines`)
@@ -220,6 +220,7 @@ impl Arguments {
         };
         self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), ready.stop);
         let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, ready.stop, started)?;
+        measurement.grounds = Some(engine.grounds);
         let untold = match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
             Ok(Some(against)) => {
                 measurement.against = Some(against);

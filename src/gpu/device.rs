@@ -1,6 +1,6 @@
 //! A device, its pipelines, and waiting for it.
 
-use super::adapter::{AdapterSummary, summary};
+use super::adapter::{AdapterSummary, Found};
 use super::layout::{TEXTURE_BITS, group_layout};
 use super::shader::Shader;
 use crate::error::{Error, Result};
@@ -23,8 +23,7 @@ pub struct OpenDevice {
 
 impl OpenDevice {
     /// Open an adapter, with default limits and no optional feature.
-    pub fn open(adapter: &wgpu::Adapter) -> Result<OpenDevice> {
-        let summary = summary(adapter);
+    pub fn open(Found { adapter, summary }: &Found) -> Result<OpenDevice> {
         let descriptor = wgpu::DeviceDescriptor { required_limits: Limits::default(), ..Default::default() };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
         let (device, queue) = opened.map_err(|error| Error::Device {
@@ -38,7 +37,7 @@ impl OpenDevice {
                 place.get_or_insert_with(|| error.to_string());
             }
         }));
-        Ok(OpenDevice { device, queue, summary, complaint })
+        Ok(OpenDevice { device, queue, summary: summary.clone(), complaint })
     }
 
     /// A zeroed buffer; its size is checked against the limits first.
@@ -101,8 +100,11 @@ impl OpenDevice {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let source = wgpu::ShaderSource::Wgsl(shader.text().into());
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry), source });
-        let layouts: Vec<_> = groups.iter().map(|group| group_layout(&self.device, *group)).collect();
-        let layouts: Vec<_> = layouts.iter().map(Some).collect();
+        // Each group has the place of its number.
+        let places = groups.iter().max().map_or(0, |most| most + 1);
+        let group = |place| groups.contains(&place).then(|| group_layout(&self.device, place));
+        let layouts: Vec<_> = (0..places).map(group).collect();
+        let layouts: Vec<_> = layouts.iter().map(Option::as_ref).collect();
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
             bind_group_layouts: &layouts,

@@ -1,6 +1,6 @@
 //! All walks of a plan on a device: batches of starts, segments of walks, dispatches.
 
-use super::adapter::{self, Kind};
+use super::adapter::Kind;
 use super::buffers::{InTexture, Packed};
 use super::device::OpenDevice;
 use super::layout::{BLOCK, Counters, FirstHit, UNIFORM_ENTRIES};
@@ -33,46 +33,14 @@ const MAX_DEPTH: f64 = 8192.0;
 /// The WGSL engine on one device.
 pub struct Gpu {
     pub(super) device: OpenDevice,
-    skipped: Vec<String>,
-    pipelines: Mutex<HashMap<Shape, wgpu::ComputePipeline>>,
+    pub(super) skipped: Vec<String>,
+    pub(super) most_passes: Option<u32>,
+    pub(super) pipelines: Mutex<HashMap<Shape, wgpu::ComputePipeline>>,
     /// What warm-ups have chosen.
-    tuned: Mutex<HashMap<Shape, Choice>>,
+    pub(super) tuned: Mutex<HashMap<Shape, Choice>>,
 }
 
 impl Gpu {
-    /// Open the best adapter that gives a device, or the one that `name` means: its number in [`list`](super::list), its
-    /// name, or a part of its description, in any case.
-    ///
-    /// # Errors
-    /// [`Error::Device`] when there is none, or it gives no device with default limits.
-    pub fn open(name: Option<&str>) -> Result<Gpu> {
-        let mut skipped: Vec<String> = Vec::new();
-        for adapter in adapter::find(name)? {
-            match OpenDevice::open(&adapter) {
-                Ok(device) => {
-                    return Ok(Gpu { device, skipped, pipelines: Mutex::default(), tuned: Mutex::default() });
-                }
-                Err(error) => skipped.push(error.to_string()),
-            }
-        }
-        Err(Error::Device { needed: "the gpu engine needs a device".into(), found: skipped.join("; ") })
-    }
-
-    /// Better adapters that gave no device, and why.
-    pub fn skipped(&self) -> &[String] {
-        &self.skipped
-    }
-
-    /// What the adapter is.
-    pub fn kind(&self) -> Kind {
-        self.device.summary.kind
-    }
-
-    /// The adapter in one line.
-    pub fn adapter(&self) -> String {
-        self.device.summary.description.clone()
-    }
-
     /// Make the walks of a plan, with settings of its own, and report how it went.
     ///
     /// # Errors
@@ -189,7 +157,11 @@ impl<'a> Run<'a> {
         let shape = Shape {
             workgroup: settings.workgroup.unwrap_or(64),
             lanes: settings.lanes.unwrap_or(tuning.lanes),
-            budget: settings.budget.unwrap_or(tuning.budget.min(longest_budget(flush_every, channels))),
+            budget: settings.budget.unwrap_or(tuning.budget.min(longest_budget(
+                flush_every,
+                channels,
+                gpu.most_passes,
+            ))),
             flush_every,
             // Divergent reads of a uniform buffer are slow on hardware; a texture is slower than that in software.
             in_texture: InTexture {
@@ -305,7 +277,7 @@ impl<'a> Run<'a> {
                 return Ok(Choice { lanes: shape.lanes, budget: shape.budget });
             }
             if seconds >= TELLING || 4 * shape.lanes > tuning.most_lanes {
-                let longest = longest_budget(shape.flush_every, shape.channels);
+                let longest = longest_budget(shape.flush_every, shape.channels, self.gpu.most_passes);
                 let choice = tuning.choose(seconds / (f64::from(shape.lanes) * f64::from(shape.budget)), longest);
                 self.gpu.tuned.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).insert(untuned(shape), choice);
                 return Ok(choice);

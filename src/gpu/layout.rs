@@ -123,6 +123,7 @@ pub const BINDINGS: &[(u32, u32, &str, Resource)] = &[
     (0, 12, "rings", Resource::Uniform),
     (1, 0, "probe_inputs", Resource::Read),
     (1, 1, "probe_outputs", Resource::ReadWrite),
+    (2, 0, "loop_words", Resource::ReadWrite),
 ];
 
 /// The bind-group layout of a group.

@@ -11,17 +11,23 @@
 mod adapter;
 mod buffers;
 mod device;
+mod drivers;
+mod elf;
 mod engine;
 pub mod layout;
+mod loops;
+mod opening;
 mod pack;
 mod params;
 mod probe;
 mod session;
 mod settings;
 pub mod shader;
+pub mod translate;
 mod tuning;
 
-pub use adapter::{AdapterSummary, Kind, list};
+pub use adapter::{AdapterSummary, Found, Kind, list, none};
+pub use drivers::{DriverFault, driver_faults};
 pub use engine::Gpu;
 pub use probe::{Probe, ProbeInput, ProbeOutput};
 pub use settings::{Report, Settings};

@@ -9,7 +9,7 @@ pub struct Settings {
     pub workgroup: Option<u32>,
     /// Lanes, a multiple of the workgroup.
     pub lanes: Option<u32>,
-    /// Passes of a dispatch; kept below lavapipe's 65,535 loop iterations.
+    /// Passes of a dispatch; without it, few enough for a driver that ends loops early.
     pub budget: Option<u32>,
     /// Passes between two flushes.
     pub flush_every: Option<u32>,

@@ -35,6 +35,11 @@ impl Shader {
         Shader::common().with(part!("probe.wgsl"))
     }
 
+    /// A loop that counts its passes.
+    pub fn loops() -> Shader {
+        Shader::new(vec![part!("loops.wgsl")])
+    }
+
     fn common() -> Shader {
         Shader::new(vec![
             ("constants", constants()),

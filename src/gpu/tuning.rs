@@ -75,12 +75,14 @@ impl Tuning {
     }
 }
 
-/// The longest dispatch in which lavapipe, which ends a shader after 65,535 loop iterations in all, ends no loop early.
+/// The longest dispatch in which a driver that ends a shader after `most_passes` of all its loops ends no loop early.
 ///
-/// A pass takes one iteration and hardly ever more than two for the chords; a flush one, and one for each channel.
-pub fn longest_budget(flush_every: u32, channels: u32) -> u32 {
-    let iterations = |budget: u32| 3 * budget + budget.div_ceil(flush_every) * (2 + channels);
-    [4096, 1024, 256].into_iter().find(|budget| iterations(*budget) < 60_000).unwrap_or(128)
+/// A pass of the kernel takes one pass of a loop and hardly ever more than two for the chords; a flush one, and one for each
+/// channel. A twelfth is left for what is rarer.
+pub fn longest_budget(flush_every: u32, channels: u32, most_passes: Option<u32>) -> u32 {
+    let passes = |budget: u32| 3 * budget + budget.div_ceil(flush_every) * (2 + channels);
+    let fits = |budget: &u32| most_passes.is_none_or(|most| passes(*budget) < most - most / 12);
+    [4096, 1024, 256].into_iter().find(fits).unwrap_or(128)
 }
 
 /// Passes between two flushes, by the majorant optical depth: short walks must not wait for the flush.
@@ -106,6 +108,18 @@ mod tests {
             let bytes = Tuning::start(kind).most_lanes as usize * size_of::<Lane>();
             assert!(bytes as u64 <= most, "{kind:?}: {bytes} bytes of lanes, allowed: {most}");
         }
+    }
+
+    #[test]
+    fn budgets_are_short_only_where_loops_are_ended() {
+        for (flush_every, channels) in [(1, 31), (1, 128), (4, 128)] {
+            assert_eq!(longest_budget(flush_every, channels, None), 4096);
+            let budget = longest_budget(flush_every, channels, Some(65_535));
+            assert!(budget < 4096 && budget * 3 + budget / flush_every * (2 + channels) < 60_074, "{budget}");
+        }
+        assert_eq!(longest_budget(8, 1, Some(65_535)), 4096);
+        assert_eq!(longest_budget(8, 1, Some(1_000)), 256);
+        assert_eq!(longest_budget(8, 1, Some(500)), 128);
     }
 
     #[test]

@@ -6,12 +6,14 @@
 
 mod engine;
 mod fibers;
+mod figures;
 mod run;
 mod self_test;
 mod stop;
 
-pub use engine::{ChosenEngine, EngineChoice, choose};
+pub use engine::{ChosenEngine, EngineChoice, Grounds, Rated, choose, figure_name};
 pub use fibers::AgainstFibers;
+pub use figures::{Figures, standard_rate};
 pub use run::{
     MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_from,
     prepare_with, run,

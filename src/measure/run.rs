@@ -1,5 +1,6 @@
 //! One measurement.
 
+use super::engine::Grounds;
 use super::fibers::AgainstFibers;
 use super::stop::Stop;
 use crate::bsdf::noise;
@@ -62,6 +63,8 @@ pub struct Measurement {
     pub plan: Option<serde_json::Value>,
     /// Where the error of the model comes from, if that was measured.
     pub budget: Option<serde_json::Value>,
+    /// Why this engine, where there was a choice.
+    pub grounds: Option<Grounds>,
 }
 
 /// The medium and the instrument of a scene.
@@ -276,6 +279,7 @@ pub fn run(
         against: None,
         plan: None,
         budget: None,
+        grounds: None,
     })
 }
 

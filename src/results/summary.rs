@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, clustering, against, plan, budget } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering, against, plan, budget, grounds } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -65,6 +65,9 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             "fibers": of(against.fibers),
             "medium": of(against.medium),
         });
+    }
+    if let Some(grounds) = grounds {
+        value["choice"] = json!(grounds);
     }
     if let Some(budget) = budget {
         value["budget"] = budget.clone();

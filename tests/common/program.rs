@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
+/// The cache of all runs: what was measured or compiled for one serves the others, and the user's own is left alone.
+pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+
 /// What a run left behind it.
 #[derive(Debug)]
 pub struct Outcome {
@@ -43,7 +46,7 @@ impl Place {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fiberwalk"));
         command.args(arguments).current_dir(self.path("")).stdin(Stdio::null());
         command.env("XDG_RUNTIME_DIR", self.home.path().join("runtime"));
-        command.env("TMPDIR", self.home.path().join("scratch"));
+        command.env("TMPDIR", self.home.path().join("scratch")).env("XDG_CACHE_HOME", CACHE);
         command
     }
 

@@ -68,8 +68,8 @@ fn shared_structures(module: &Module) -> BTreeSet<String> {
     bound.map(base).filter_map(structure).collect()
 }
 
-fn modules() -> [Module; 2] {
-    [Shader::walk(), Shader::probe()].map(|shader| shader.check().expect("the shader is valid").0)
+fn modules() -> [Module; 3] {
+    [Shader::walk(), Shader::probe(), Shader::loops()].map(|shader| shader.check().expect("the shader is valid").0)
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn rust_and_wgsl_lay_out_the_same_structures() {
 
 #[test]
 fn a_moved_renamed_or_resized_field_is_noticed() {
-    let [walk, _] = modules();
+    let [walk, ..] = modules();
     let (name, size, fields) = STRUCTS[0];
     let mut moved = fields.to_vec();
     moved[3].1 += 4;

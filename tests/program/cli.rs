@@ -1,12 +1,13 @@
 //! The program as a user meets it: commands, their output, their files.
 
+use crate::common::program::CACHE;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
 fn fiberwalk(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fiberwalk"));
-    command.args(arguments).current_dir(folder).env("XDG_RUNTIME_DIR", folder);
+    command.args(arguments).current_dir(folder).env("XDG_RUNTIME_DIR", folder).env("XDG_CACHE_HOME", CACHE);
     command.output().expect("the program starts")
 }
 
@@ -181,18 +182,6 @@ fn a_dyed_cloth_shows_its_channels_on_both_sides() {
             }
         }
     }
-}
-
-#[test]
-fn engines_lists_adapters_and_tests_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let output = fiberwalk(folder.path(), &["engines"]);
-    let listed = text(&output.stdout);
-    assert!(output.status.success(), "{listed}{}", text(&output.stderr));
-    assert!(listed.contains("gpu 1  ") && listed.contains("cpu  "), "{listed}");
-    let engines = listed.lines().filter(|line| line.starts_with("gpu") || line.starts_with("cpu")).count();
-    assert_eq!(listed.matches("self-test passed").count(), engines, "{listed}");
-    assert_eq!(fiberwalk(folder.path(), &["engines", "--adapter", "nosuch"]).status.code(), Some(3));
 }
 
 #[test]

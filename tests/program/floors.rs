@@ -34,6 +34,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("statrs", &["bsdf"]),
     ("rand", &["cloth"]),
     ("png", &["report"]),
+    ("etcetera", &["measure"]),
     ("noto_sans_mono_bitmap", &["report"]),
 ];
 

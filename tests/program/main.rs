@@ -6,6 +6,7 @@ mod common;
 mod chart;
 mod cli;
 mod documented;
+mod engines;
 mod exports;
 mod floors;
 mod knit_hairs;

@@ -44,7 +44,7 @@ pub fn of_medium(scene: &Scene, prepared: &Prepared, engine: &ChosenEngine) -> V
             .push(format!("tracking: a table of H for {n} × {n} rays; the largest error of H found is {percent:.2} %"));
     }
     lines.extend(of_dark_fibers(scene));
-    lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.reason));
+    lines.push(format!("engine: {} on {}; {}", engine.name, engine.adapter, engine.grounds.reason));
     lines
 }
 

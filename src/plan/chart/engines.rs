@@ -52,7 +52,7 @@ impl Engines {
             EngineChoice::Gpu => (Some(choose(EngineChoice::Gpu, adapter)?), None),
             EngineChoice::Auto => match choose(EngineChoice::Auto, adapter)? {
                 engine if engine.name == Class::Gpu.name() => (Some(engine), None),
-                engine => (None, Some(engine.reason)),
+                engine => (None, Some(engine.grounds.reason)),
             },
         };
         let opening = started.elapsed().as_secs_f64();

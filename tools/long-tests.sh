@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Run the checks that take long or fetch much; tools/test.sh has all others. Ends non-zero when one of them failed.
+#   tools/long-tests.sh [NAME...]     only these; without names: all
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. tools/steps.sh
+
+readonly WANTED=" $* "
+
+# Run a named check if it is wanted.
+long() {
+    if [ "$WANTED" = "  " ] || [[ $WANTED == *" $1 "* ]]; then
+        step "$@"
+    fi
+}
+
+# All tests of the kernel by walks and by functions, on one of the further drivers.
+check_kernel() {
+    bash tools/drivers.sh "$1" && on_driver "$1" cargo test --release --locked --test light -- lockstep:: primitives::
+}
+
+bash tools/setup.sh
+long swiftshader check_kernel swiftshader
+long lavapipe check_kernel lavapipe
+long hlsl bash tools/shaders.sh hlsl
+long tint bash tools/shaders.sh tint
+finish

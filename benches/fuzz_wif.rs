@@ -17,7 +17,7 @@ fn main() {
     let (seconds, seed) = (numbers.next().unwrap_or(60), numbers.next().unwrap_or(1));
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz_wif");
     std::fs::create_dir_all(&folder).expect("a folder can be made");
-    let count = wif_files::fuzz::fuzz(seed, Duration::from_secs(seconds), &folder);
+    let count = wif_files::fuzz::fuzz(seed, Duration::from_secs(seconds), 0, &folder);
     let peak = peak_bytes().map_or("unknown".into(), |bytes| format!("{} MiB", bytes >> 20));
     println!(
         "{} files tried, {} taken, slowest {} ms, peak memory {peak}",

@@ -19,9 +19,31 @@ check_kernel() {
     bash tools/drivers.sh "$1" && on_driver "$1" cargo test --release --locked --test light -- lockstep:: primitives::
 }
 
+# Every command of the README and of docs as it stands.
+check_documented() {
+    FIBERWALK_DOCUMENTED=whole cargo test --release --locked --test program -- documented:: --nocapture
+}
+
+# The whole suite three times beside a busy loop on every core: no verdict may depend on load.
+check_loaded() {
+    local round loops=() result=0
+    for ((round = 0; round < $(nproc); round++)); do
+        while :; do :; done &
+        loops+=($!)
+    done
+    for round in 1 2 3; do
+        cargo test --release --locked --no-fail-fast || result=1
+    done
+    kill "${loops[@]}"
+    return "$result"
+}
+
 bash tools/setup.sh
 long swiftshader check_kernel swiftshader
 long lavapipe check_kernel lavapipe
 long hlsl bash tools/shaders.sh hlsl
 long tint bash tools/shaders.sh tint
+long documented check_documented
+long survey cargo run --release --locked --example survey
+long loaded check_loaded
 finish

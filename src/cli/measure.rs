@@ -167,7 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let plan = ready.plan.take();
     let mut measurement = match scene.model.medium {
         Medium::Implicit => arguments.through_medium(&mut scene, &source, ready, started)?,
-        Medium::Explicit => arguments.through_fibers(&scene, &source, ready.stop, started)?,
+        Medium::Explicit => arguments.through_fibers(&scene, &source, ready, started)?,
     };
     measurement.plan = plan.map(|plan| plan.summary());
     let mut budget = String::new();
@@ -218,7 +218,8 @@ impl Arguments {
             Some(engine) => engine,
             None => self.choose_engine()?,
         };
-        self.tell(source, scene, notes::of_medium(scene, &prepared, &engine), ready.stop);
+        let how = [ready.told, notes::of_medium(scene, &prepared, &engine)].concat();
+        self.tell(source, scene, how, ready.stop);
         let mut measurement = self.walk(&prepared.with(&engine), &prepared.goniometer, ready.stop, started)?;
         measurement.grounds = Some(engine.grounds);
         let untold = match AgainstFibers::new(scene, &prepared, &measurement.tally, self.seed) {
@@ -244,7 +245,7 @@ impl Arguments {
     }
 
     /// Walk through the fibers themselves.
-    fn through_fibers(&self, scene: &Scene, source: &Source, stop: Stop, started: Instant) -> Result<Measurement> {
+    fn through_fibers(&self, scene: &Scene, source: &Source, ready: Ready, started: Instant) -> Result<Measurement> {
         let asked = match self.engine {
             Choice::Gpu => Some("--engine gpu"),
             _ => self.adapter.as_ref().map(|_| "--adapter"),
@@ -254,8 +255,9 @@ impl Arguments {
             return Err(Error::Input(message));
         }
         let (explicit, goniometer) = prepare_explicit(scene)?;
-        self.tell(source, scene, notes::of_fibers(scene, &explicit, &goniometer), stop);
-        let mut measurement = self.walk(&explicit, &goniometer, stop, started)?;
+        let how = [ready.told, notes::of_fibers(scene, &explicit, &goniometer)].concat();
+        self.tell(source, scene, how, ready.stop);
+        let mut measurement = self.walk(&explicit, &goniometer, ready.stop, started)?;
         measurement.clustering = explicit.clustering(&measurement.tally);
         Ok(measurement)
     }

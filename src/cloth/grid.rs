@@ -66,7 +66,7 @@ impl FiberGrid {
     /// would be too many.
     ///
     /// # Errors
-    /// [`Error::Input`] when there is no fiber, or there are more or longer pieces than can be sorted.
+    /// [`Error::Input`] when there are more or longer pieces than can be sorted.
     pub fn new(fibers: &[Curve], period: DVec2) -> Result<FiberGrid> {
         FiberGrid::sorted(fibers, period, |size, thinnest| {
             let volume = size.x * size.y * size.z;
@@ -97,10 +97,10 @@ impl FiberGrid {
         for (fiber, curve) in fibers.iter().enumerate() {
             Tube::of_curve(curve, fiber as u32, |start| inside(start, period), |tube| tubes.push(tube));
         }
-        if tubes.is_empty() || tubes.len() >= 1 << TUBE_BITS {
+        if tubes.len() >= 1 << TUBE_BITS {
             let (count, most) = (tubes.len(), 1 << TUBE_BITS);
             return Err(Error::Input(format!(
-                "a realization of {count} pieces of fibers cannot be used, allowed: 1 to {most}"
+                "a realization of {count} pieces of fibers cannot be used, allowed: fewer than {most}"
             )));
         }
         let span = |tube: &Tube| {
@@ -109,7 +109,9 @@ impl FiberGrid {
             let ends = [tube.start().z - before * p, tube.start().z + (tube.length() + after) * p];
             (ends[0].min(ends[1]) - reach, ends[0].max(ends[1]) + reach)
         };
-        let (low, high) = tubes.iter().map(span).fold((f64::MAX, f64::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let fold = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        // Where there is no fiber, any height will do.
+        let (low, high) = tubes.iter().map(span).reduce(fold).unwrap_or((-1.0, 0.0));
         let thinnest = tubes.iter().map(Tube::radius).fold(f64::INFINITY, f64::min);
         let size = period.extend(high - low);
         let counts = counts(size, thinnest).max(IVec3::ONE);

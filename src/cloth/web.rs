@@ -80,7 +80,7 @@ impl Web {
 
     /// Pieces that a realization has, about, where none is longer than so many radii.
     pub fn pieces_no_longer_than(&self, radii: f64) -> usize {
-        let of = |part: &SheetFibers| part.length_density / (radii * self.radii[part.kind]);
+        let of = |part: &SheetFibers| part.length_density / (radii * self.radii[part.fiber]);
         let density: f64 = self.sheet.fibers.iter().map(of).sum();
         (density * self.period * self.period * self.sheet.thickness) as usize
     }

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 /// Walks of each cell before the first decision.
 const FIRST: u64 = 4096;
-/// Walks of each cell after which a cloth that has scattered nothing counts as one that scatters nothing.
+/// Walks of each cell after which a cloth that has scattered so small a share of them counts as one that scatters nothing.
 const NOTHING: u64 = 1 << 18;
+const HARDLY: f64 = 1e-5;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +29,7 @@ impl Stop {
     pub fn next(&self, tally: &Tally, made: u64, begun: Instant, most: u64) -> Option<u64> {
         let enough = match self {
             Stop::Walks(walks) => return (made < *walks).then_some(*walks),
-            Stop::Tolerance(tolerance) => {
-                let noise = noise(tally);
-                noise <= *tolerance || (noise.is_infinite() && made >= NOTHING)
-            }
+            Stop::Tolerance(tolerance) => noise(tally) <= *tolerance || (made >= NOTHING && scattered(tally) < HARDLY),
             Stop::Time(time) => made > 0 && begun.elapsed() >= *time,
         };
         (!enough && made < most).then(|| step_after(made).min(most))
@@ -47,6 +45,12 @@ impl Stop {
         };
         (more.is_finite() && made > 0).then(|| (made as f64 * more.max(1.0)) as u64)
     }
+}
+
+/// Share of all walks that were scattered.
+fn scattered(tally: &Tally) -> f64 {
+    let of = |start: usize| tally.reflection(start).iter().chain(tally.transmission(start)).sum::<u64>();
+    (0..tally.starts()).map(of).sum::<u64>() as f64 / tally.counts.finished.max(1) as f64
 }
 
 /// The least of 4096·{2ʲ, 3·2ʲ⁻¹} above a number.
@@ -93,6 +97,12 @@ mod tests {
         assert_eq!(Stop::Time(Duration::from_secs(3600)).next(&tally, 6144, now, 1 << 30), Some(8192));
         // A cloth that scatters nothing comes to an end.
         tally.bins = vec![0, 0, NOTHING, 0, 0];
+        tally.counts.finished = NOTHING;
         assert_eq!(Stop::Tolerance(0.01).next(&tally, NOTHING, now, 1 << 40), None);
+        // So does one that scatters hardly anything, but none that scatters little.
+        tally.bins = vec![1, 1, NOTHING - 2, 0, 0];
+        assert_eq!(Stop::Tolerance(0.01).next(&tally, NOTHING, now, 1 << 40), None);
+        tally.bins = vec![3, 3, NOTHING - 6, 0, 0];
+        assert!(Stop::Tolerance(0.01).next(&tally, NOTHING, now, 1 << 40).is_some());
     }
 }

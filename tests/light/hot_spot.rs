@@ -7,7 +7,7 @@ use fiberwalk::goniometer::Goniometer;
 use fiberwalk::walk::{WalkPlan, Walker};
 use std::f64::consts::PI;
 
-/// Walks of each direction through the fibers, and through the medium.
+/// Walks of each direction through the fibers, twice as many through fibers drawn anew, and through the medium.
 const WALKS: [u64; 2] = [1 << 18, 1 << 19];
 /// One comparison in 16 000 of a right program is off by more.
 const SIGMAS: f64 = 4.0;
@@ -32,7 +32,8 @@ fn through_fibers(cloth: &Cloth, anew: bool) -> Vec<Vec<(f64, f64)>> {
     let explicit = Explicit::new(&scene).expect("they can be laid");
     let explicit = if anew { explicit.anew() } else { explicit };
     let goniometer = Goniometer::new(&scene.measure);
-    let tally = explicit.run(&goniometer, &WalkPlan::new(7, WALKS[0]), &mut |_| {}).expect("it runs");
+    let tally =
+        explicit.run(&goniometer, &WalkPlan::new(7, WALKS[0] << u32::from(anew)), &mut |_| {}).expect("it runs");
     let factor = explicit.clustering(&tally).map_or(1.0, |found| found.reflectance.max(found.transmittance).max(1.0));
     let widened =
         |light: Vec<(f64, f64)>| light.into_iter().map(|(mean, error)| (mean, error * factor.sqrt())).collect();

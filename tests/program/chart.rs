@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// A thin sheet: everything is quick.
 const CLOTH: &str = "name = \"a <thin> \\\"sheet\\\" & more\"\n[fiber.f]\nradius_um = 10\nior = 1.5\n[sheet]\nthickness_um = 60\n\
-                     [[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = 600\norientation = \"planar\"\n";
+                     [[sheet.fibers]]\nfiber = \"f\"\nlength_density_per_mm2 = 600\norientation = \"planar\"\n[model]\npacking = \"random\"\n";
 
 fn chart(place: &Place, more: &[&str]) -> Outcome {
     place.write("cloth.toml", CLOTH);
@@ -44,7 +44,7 @@ fn a_chart_has_a_table_a_picture_and_a_page_that_agree() {
     let place = Place::new();
     let outcome = chart(&place, &["--time", "2s"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-    assert!(outcome.stdout.contains("error budget of at-hit 1024d"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("error budget of random carried 1024d"), "{}", outcome.stdout);
     assert_eq!(outcome.stderr, "");
     let text = read(&place, "chart.csv");
     let rows = table(&text);
@@ -128,12 +128,12 @@ fn a_chart_goes_on_and_is_not_mixed_with_another() {
     }
     assert_eq!(made(&read(&place, "chart.csv")), second);
     // A state that was spoilt is named.
-    let file = place.path("cloth/chart.state/at-hit_1024d.json");
+    let file = place.path("cloth/chart.state/random_carried_1024d.json");
     let text = std::fs::read_to_string(&file).expect("there is a state");
     std::fs::write(&file, text.replacen("\"launched\":", "\"launched\":1", 1)).expect("it can be written");
     let outcome = chart(&place, &["--time", "4s"]);
     assert_eq!(outcome.code, Some(2));
-    assert!(outcome.stderr.contains("at-hit_1024d.json: not the state of a chart"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("random_carried_1024d.json: not the state of a chart"), "{}", outcome.stderr);
     // Anew, with another seed.
     let outcome = chart(&place, &["--time", "1s", "--seed", "2", "--force"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
@@ -154,11 +154,11 @@ fn a_chart_that_is_killed_loses_no_point() {
     child.kill().expect("it can be killed");
     child.wait().expect("it ends");
     let of = |name: &str| std::fs::read(state.join(name)).expect("it is there");
-    let before = of("fibers_256w.json");
+    let before = of("random_fibers_256w.json");
     // Time enough for one visit to each of the least points: what there was is kept.
     let outcome = chart(&place, &["--time", "0.01s"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-    assert_eq!(of("fibers_256w.json"), before);
+    assert_eq!(of("random_fibers_256w.json"), before);
     assert!(made(&read(&place, "chart.csv")).len() >= 2);
 }
 

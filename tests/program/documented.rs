@@ -167,7 +167,7 @@ fn commands_of_the_program_work_as_they_are_written() {
 fn the_scene_of_round_tables_is_drawn_as_it_is_written() {
     let shop = Shop::new();
     let (_, text) = pages().into_iter().find(|(name, _)| name == "export.md").expect("the page is there");
-    let drawn: Vec<String> = commands(&text).into_iter().filter(|line| line.starts_with("python ")).collect();
+    let drawn: Vec<String> = commands(&text).into_iter().filter(|line| line.starts_with("python assets/")).collect();
     assert!(!drawn.is_empty(), "no scene is drawn");
     for line in commands(&text).iter().filter(|line| line.starts_with("fiberwalk measure")) {
         assert_eq!(shop.run(&words(line)[1..]).code, Some(0), "{line}");

@@ -1,6 +1,5 @@
 //! The model that a planner chooses.
 
-use super::super::one_line;
 use super::super::show::budget_lines;
 use super::{Arguments, Choice};
 use fiberwalk::Result;
@@ -19,6 +18,8 @@ pub struct Ready {
     pub plan: Option<Plan>,
     /// The medium, if the planner has made it.
     pub prepared: Option<Prepared>,
+    /// What was planned and why.
+    pub told: Vec<String>,
     /// The engine, if the planner needed it.
     pub engine: Option<ChosenEngine>,
 }
@@ -26,7 +27,7 @@ pub struct Ready {
 impl Ready {
     /// Nothing but the rule.
     pub fn new(stop: Stop) -> Ready {
-        Ready { stop, plan: None, prepared: None, engine: None }
+        Ready { stop, plan: None, told: Vec::new(), prepared: None, engine: None }
     }
 }
 
@@ -41,10 +42,8 @@ impl Arguments {
         let class = EngineClass::of(&engine);
         let (plan, prepared) = plan(scene, &extent, tolerance, (&engine, class), self.seed, fibers, true)?;
         *scene = plan.apply(scene, &extent);
-        if !self.quiet {
-            plan.lines().iter().for_each(|line| eprintln!("{}", one_line(line)));
-        }
-        Ok(Ready { stop: Stop::Tolerance(plan.noise), plan: Some(plan), prepared, engine: Some(engine) })
+        let (stop, told) = (Stop::Tolerance(plan.noise), plan.lines());
+        Ok(Ready { stop, plan: Some(plan), told, prepared, engine: Some(engine) })
     }
 
     /// Measure where the error of the model comes from, add it to the measurement, and tell it.

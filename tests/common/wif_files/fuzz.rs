@@ -15,12 +15,12 @@ pub struct Count {
     pub slowest: Duration,
 }
 
-/// Read files until the time is over; a file that ends in a panic or is taken wrongly stays in the folder.
-pub fn fuzz(seed: u64, time: Duration, folder: &Path) -> Count {
+/// Read files until the time is over and at least so many were tried; a file that ends in a panic or is taken wrongly stays in the folder.
+pub fn fuzz(seed: u64, time: Duration, least: usize, folder: &Path) -> Count {
     let start = Instant::now();
     let mut random = Random(seed);
     let mut count = Count::default();
-    while start.elapsed() < time {
+    while start.elapsed() < time || count.tried < least {
         let (bytes, lines) = (wif(&mut random), lines(&mut random));
         let (file, text) = (folder.join("f.wif"), format!("{CLOTH}{lines}"));
         std::fs::write(&file, bytes).expect("a file can be written");

@@ -213,7 +213,7 @@ fn a_cloth_file_beyond_ascii_survives_byte_for_byte() {
 fn the_model_is_told_with_its_defaults() {
     let model = |length: Value| {
         json!({
-            "medium": "implicit", "tracking": "null-collision", "placement": "at-hit", "packing": "random",
+            "medium": "implicit", "tracking": "null-collision", "placement": "at-hit", "packing": "separate",
             "direct": "walks", "first_hit": "medium", "memory": "none", "directions": 1024, "length_over_radius": length,
         })
     };

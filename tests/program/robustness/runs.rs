@@ -78,8 +78,8 @@ fn without_a_driver_the_cpu_engine_serves_and_says_why() {
     let mut command = place.command(&["measure", "nonwoven", "--walks", "200"]);
     command.envs(NO_DRIVER);
     let Outcome { code, stdout, stderr } = finish(command);
-    assert_eq!((code, stderr.lines().count()), (Some(0), 3), "{stderr}");
-    let engine = stderr.lines().last().expect("three lines have a last");
+    assert_eq!((code, stderr.lines().count()), (Some(0), 4), "{stderr}");
+    let engine = stderr.lines().nth(2).expect("four lines have a third");
     assert!(engine.starts_with("engine: cpu on ") && engine.ends_with(&format!("; {NO_ADAPTER}")), "{engine}");
     assert!(stdout.ends_with("\nnonwoven/bsdf.exr\nnonwoven/tally.exr\nnonwoven/summary.json\n"), "{stdout}");
     for wish in [["--engine", "gpu"], ["--adapter", "llvm"]] {

@@ -44,6 +44,14 @@ impl Grids {
 }
 
 impl Grids {
+    /// The axis along which lists are narrowest, by the width in mm that they should have, among those that they do not fill.
+    pub fn narrowest(&self, width: DVec3) -> usize {
+        let (edges, counts) = (self.cells.edges(), self.list_counts());
+        let share = |axis: usize| f64::from(self.block[axis]) * edges[axis] / width[axis];
+        let open = (0..3).filter(|axis| counts[*axis] > 1);
+        open.min_by(|a, b| share(*a).total_cmp(&share(*b))).unwrap_or_default()
+    }
+
     /// Make lists twice as wide along an axis, and gather what was counted in them.
     pub fn widen(&mut self, axis: usize, counted: FxHashMap<Key, Gathered>) -> FxHashMap<Key, Gathered> {
         let narrow = self.list_counts();

@@ -32,10 +32,12 @@ mod lists;
 mod placement;
 mod sheet;
 mod spread;
+mod sums;
 mod voids;
 
-pub use calculator::{Effort, Element, Gathering, MOST_ENTRIES, cells_of_edge, thinnest_radius, usual_edge};
+pub use calculator::{Effort, Element, Gathering, cells_of_edge, thinnest_radius, usual_edge};
 pub use cells::{Cell, CellGrid};
 pub use directions::{DirectionGrid, direction_of, square_of};
 pub use sheet::{Bundle, SpecificLength, surface};
+pub use sums::MOST_ENTRIES;
 pub use voids::Voids;

@@ -1,7 +1,7 @@
 //! Vulkan drivers that the loader is told of and cannot load: files that name a library which is not there, or is none of this
 //! machine.
 
-use super::elf::Elf;
+use goblin::elf::{Elf, header};
 use std::env;
 use std::ffi::OsString;
 use std::fs;
@@ -117,17 +117,21 @@ fn unsuited(library: &Path, variable: Variable) -> Option<String> {
         Ok(bytes) => bytes,
         Err(error) => return Some(format!("its library {} cannot be read: {error}", library.display())),
     };
-    let elf = match Elf::new(&bytes) {
-        Some(elf) => elf,
-        None if bytes.starts_with(b"\x7fELF") => return None,
-        None => return Some(format!("its library {} is no library", library.display())),
+    let Ok(elf) = Elf::parse(&bytes) else {
+        return Some(format!("its library {} is no library", library.display()));
+    };
+    let machine = match env::consts::ARCH {
+        "x86_64" => header::EM_X86_64,
+        "aarch64" => header::EM_AARCH64,
+        "riscv64" => header::EM_RISCV,
+        _ => return None,
     };
     // Folders of its own may have what is nowhere else.
-    if elf.has_search_path {
+    let searches = !elf.rpaths.is_empty() || !elf.runpaths.is_empty();
+    if searches || !elf.is_64 || elf.header.e_machine != machine {
         return None;
     }
-    let missing: Vec<&str> =
-        elf.needed.iter().map(String::as_str).filter(|name| look_up(name, variable).is_none()).collect();
+    let missing: Vec<&str> = elf.libraries.into_iter().filter(|name| look_up(name, variable).is_none()).collect();
     let needs = || format!("its library {} needs {}, which is not there", library.display(), missing.join(" and "));
     (!missing.is_empty()).then(needs)
 }
@@ -173,7 +177,7 @@ mod tests {
         fs::write(&library, &bytes).expect("it can be written");
         assert_eq!(of_library(folder.path(), "./libcopy.so"), None);
         // libc needs the dynamic loader; a copy that needs another is not to be had.
-        let needed = Elf::new(&bytes).expect("it is of this machine").needed.remove(0);
+        let needed = Elf::parse(&bytes).expect("it is a library").libraries.remove(0).to_owned();
         let places: Vec<usize> =
             (0..bytes.len() - needed.len()).filter(|at| bytes[*at..].starts_with(needed.as_bytes())).collect();
         places.into_iter().for_each(|at| bytes[at] = b'X');

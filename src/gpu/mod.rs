@@ -12,7 +12,6 @@ mod adapter;
 mod buffers;
 mod device;
 mod drivers;
-mod elf;
 mod engine;
 pub mod layout;
 mod loops;

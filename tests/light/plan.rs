@@ -122,7 +122,7 @@ fn a_budget_finds_directions_that_are_too_few() {
     let along = "orientation = \"aligned\"\naxis = [1, 0, 0]\nspread_deg = 5".to_owned();
     let scene = lit(Cloth { fibers: vec![(100.0, along)], ..Cloth::isotropic(1.0) }.scene());
     let [few, many] =
-        [16, 4096].map(|directions| size(&budget(&scene, |own| own.directed(directions), 512), Part::Directions));
+        [16, 4096].map(|directions| size(&budget(&scene, |own| own.directed(directions), 4096), Part::Directions));
     assert!(few.bounds[0] > GATE * many.bounds[1], "{few:?} and {many:?}");
 }
 

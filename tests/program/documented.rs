@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What a cloth of yarns is given that says nothing of its model.
-const COARSE: &str = "\n[model]\ncells = [20, 20, 8]\ndirections = 256\n";
+const COARSE: &str = "\n[model]\ncells = [20, 20, 8]\ndirections = 256\ndirect = \"walks\"\nfirst_hit = \"medium\"\n";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -35,6 +35,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("rand", &["cloth"]),
     ("png", &["report"]),
     ("etcetera", &["measure"]),
+    ("goblin", &["gpu"]),
     ("noto_sans_mono_bitmap", &["report"]),
 ];
 

@@ -38,7 +38,7 @@ bash tools/setup.sh
 step format cargo fmt --check
 step lints cargo clippy --release --locked --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" step documentation cargo doc --release --locked --no-deps --document-private-items
-step tests cargo test --release --locked --no-fail-fast
+step tests cargo test --release --locked --no-fail-fast --lib --bins --tests
 if command -v apt-get >/dev/null; then
     step drivers check_drivers
     step SPIR-V bash tools/shaders.sh spirv

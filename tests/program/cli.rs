@@ -40,7 +40,7 @@ fn the_default_measurement_takes_little_memory_of_its_own() {
     assert!(own < 48.0, "{own:.0} MiB");
     // The least run has the driver with the same kernel.
     let driver = peak(&["felt", "--engine", "gpu", "--walks", "16", "--incident", "2", "--exit", "4"]);
-    let whole = peak(&["felt", "--engine", "gpu"]);
+    let whole = peak(&["felt", "--engine", "gpu", "--tolerance", "20%"]);
     println!(
         "of its own {own:.0} MiB; with a driver {whole:.0} MiB, of which {driver:.0} MiB are there before there is anything to do"
     );

@@ -119,6 +119,13 @@ impl Shop {
             return short;
         }
         let stop = short.iter().position(|word| ["--walks", "--tolerance", "--time"].contains(&word.as_str()));
+        let yarns = short.get(1).is_some_and(|cloth| !["felt.toml", "nonwoven.toml"].contains(&cloth.as_str()));
+        if arguments[0] == "inspect" && yarns {
+            match short.iter().position(|word| word == "--width") {
+                Some(at) => short[at + 1] = "320".into(),
+                None => short.extend(["--width", "320"].map(str::to_owned)),
+            }
+        }
         match (arguments[0].as_str(), stop) {
             ("measure", Some(at)) => short.splice(at..at + 2, ["--walks".into(), "40".into()]).for_each(drop),
             ("measure", None) => short.extend(["--walks".into(), "40".into()]),

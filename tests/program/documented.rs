@@ -122,8 +122,8 @@ impl Shop {
         let yarns = short.get(1).is_some_and(|cloth| !["felt.toml", "nonwoven.toml"].contains(&cloth.as_str()));
         if arguments[0] == "inspect" && yarns {
             match short.iter().position(|word| word == "--width") {
-                Some(at) => short[at + 1] = "320".into(),
-                None => short.extend(["--width", "320"].map(str::to_owned)),
+                Some(at) => short[at + 1] = "600".into(),
+                None => short.extend(["--width", "600"].map(str::to_owned)),
             }
         }
         match (arguments[0].as_str(), stop) {

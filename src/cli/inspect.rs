@@ -4,12 +4,12 @@ mod woven;
 mod yarns;
 
 use super::{one_line, print};
-use fiberwalk::cloth::{DrawnFor, FiberGrid, Realizer};
+use fiberwalk::cloth::{DrawnFor, FiberGrid};
 use fiberwalk::measure::{EngineChoice, Prepared, choose, memory, prepare};
 use fiberwalk::plan::{EngineClass, Extent, plan};
 use fiberwalk::report::WIDTHS;
 use fiberwalk::results::ResultFolder;
-use fiberwalk::scene::{Model, Orientation, Packing, Scene, Sheet, Source, Structure};
+use fiberwalk::scene::{Orientation, Packing, Scene, Sheet, Source, Structure};
 use fiberwalk::{Error, Result};
 use glam::DVec3;
 use std::fmt::Write;
@@ -169,14 +169,10 @@ fn results(scene: &Scene, prepared: &Prepared) -> String {
     )
 }
 
-/// The size of the tables, and that of a realization of the fibers that the explicit model would use in their place; its
-/// fibers are laid at random, which does not change their number.
+/// The size of the tables, and that of a realization of the fibers that the explicit model would use in their place. They are laid at
+/// random, which is quick: of yarns separate ones have about as many pieces, of a sheet more, since they bend.
 fn beside_fibers(scene: &Scene, prepared: &Prepared) -> Result<String> {
-    let random = Model { packing: Packing::Random, ..scene.model };
-    let realizer = match &prepared.cloth {
-        Some(cloth) => Realizer::of_yarns(cloth.clone(), &random, DrawnFor::Fibers),
-        None => Realizer::new(scene, random.packing, DrawnFor::Fibers)?,
-    };
+    let realizer = prepared.realizer(scene, Packing::Random, DrawnFor::Fibers)?;
     let drawn = realizer.draw(0)?;
     let [pieces, grid] = FiberGrid::of(&drawn)?.bytes();
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);

@@ -2,7 +2,7 @@
 
 use super::run::Prepared;
 use crate::bsdf::{Estimate, Totals, totals};
-use crate::cloth::{Cloth, DrawnFor, Realizer};
+use crate::cloth::DrawnFor;
 use crate::error::Result;
 use crate::explicit::Explicit;
 use crate::goniometer::Tally;
@@ -38,11 +38,9 @@ impl AgainstFibers {
     /// separate and take too long to be drawn for such a run. The fibers are others than those that the medium was made of.
     ///
     /// # Errors
-    /// Those of [`Realizer::draw`], of [`Explicit::drawn`] and of its run.
+    /// Those of [`Realizer::draw`](crate::cloth::Realizer::draw), of [`Explicit::drawn`] and of its run.
     pub fn new(scene: &Scene, prepared: &Prepared, tally: &Tally, seed: u64) -> Result<Option<AgainstFibers>> {
-        let of_yarns = |cloth: &Cloth| Ok(Realizer::of_yarns(cloth.clone(), &scene.model, DrawnFor::Judge));
-        let of_sheet = || Realizer::new(scene, scene.model.packing, DrawnFor::Judge);
-        let realizer = prepared.cloth.as_ref().map_or_else(of_sheet, of_yarns)?.keeping();
+        let realizer = prepared.realizer(scene, scene.model.packing, DrawnFor::Judge)?.keeping();
         let realizations = match scene.model.packing {
             Packing::Random => REALIZATIONS,
             Packing::Separate => {

@@ -87,6 +87,16 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// Draws realizations of this scene for a user, without laying out its yarns again.
+    ///
+    /// # Errors
+    /// Those of [`Realizer::new`].
+    pub fn realizer(&self, scene: &Scene, packing: Packing, drawn_for: DrawnFor) -> Result<Realizer> {
+        let model = Model { packing, ..scene.model };
+        let of_yarns = |cloth: &Cloth| Ok(Realizer::of_yarns(cloth.clone(), &model, drawn_for));
+        self.cloth.as_ref().map_or_else(|| Realizer::new(scene, packing, drawn_for), of_yarns)
+    }
+
     /// The medium, for an engine to send walks through.
     pub fn with<'a>(&'a self, engine: &'a dyn Engine) -> Implicit<'a> {
         let first_hits = self.first_hits.as_deref().map(|banks| banks as &dyn FirstHitBanks);

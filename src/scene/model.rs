@@ -213,14 +213,19 @@ impl Model {
         Model { direct: Direct::Walks, first_hit: FirstHit::Medium, ..self }
     }
 
+    /// The placement that comes nearest to fibers of the packing, of those that go with the tracking.
+    pub fn usual_placement(&self) -> Placement {
+        match (self.tracking, self.packing, self.cone) {
+            (Tracking::Tabulated, ..) | (_, Packing::Separate, None) => Placement::AtHit,
+            (_, Packing::Random, _) => Placement::Carried,
+            (_, Packing::Separate, Some(_)) => Placement::CarriedVoid,
+        }
+    }
+
     /// Choose the placement and the memory that are not asked for: the placement that comes nearest to fibers of the packing.
     pub(crate) fn settle(&mut self) {
         if !self.placement_chosen {
-            self.placement = match (self.tracking, self.packing, self.cone) {
-                (Tracking::Tabulated, ..) | (_, Packing::Separate, None) => Placement::AtHit,
-                (_, Packing::Random, _) => Placement::Carried,
-                (_, Packing::Separate, Some(_)) => Placement::CarriedVoid,
-            };
+            self.placement = self.usual_placement();
         }
         if !self.memory_chosen {
             let remembers = self.cone.is_some() && self.placement != Placement::AtHit;

@@ -6,7 +6,7 @@ use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
 use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop};
-use fiberwalk::scene::{Placement, Scene, Structure};
+use fiberwalk::scene::{Scene, Structure};
 use fiberwalk::tables::Kind;
 use std::f64::consts::PI;
 
@@ -160,11 +160,15 @@ pub fn of_fibers_and_medium(scene: &Scene, against: &AgainstFibers) -> String {
     };
     let wrong: Vec<&str> = (0..3).filter(|i| wrong(*i)).map(|i| names[i]).collect();
     if !wrong.is_empty() {
+        let usual = scene.model.usual_placement();
+        let cells = (!matches!(scene.structure, Structure::Sheet(_))).then(|| "finer cells".to_owned());
+        let placement = (scene.model.placement != usual).then(|| format!("placement \"{}\"", usual.name()));
+        let cures: Vec<String> = cells.into_iter().chain(placement).chain(["--model explicit".to_owned()]).collect();
         text += &format!(
-            "warning: {} light is off by more than {:.0} % of its value; finer cells{} or --model explicit may mend it\n",
+            "warning: {} light is off by more than {:.0} % of its value; {} may mend it\n",
             wrong.join(" and "),
             100.0 * NOTABLE,
-            if scene.model.placement == Placement::Carried { "" } else { ", placement \"carried\"" },
+            cures.join(" or "),
         );
     }
     text

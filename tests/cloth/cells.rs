@@ -41,9 +41,14 @@ fn cut(sheet: &Cloth, share: f64, copies: bool) -> CellCloth {
     cloth
 }
 
+/// A sheet in few cells of directions: χ² sees a density that is off by the fewer walks the fewer its cells.
+fn sheet_in_few_cells(depth: f64) -> Cloth {
+    Cloth { exit: 8, ..Cloth::isotropic(depth) }.lit_from("4")
+}
+
 #[test]
 fn equal_cells_are_a_sheet() {
-    let sheet = Cloth::isotropic(2.0);
+    let sheet = sheet_in_few_cells(2.0);
     let whole = run("gpu", gpu(), &sheet, &WalkPlan::new(41, 40_000));
     for (i, copies) in [false, true].into_iter().enumerate() {
         for (name, engine) in engines() {
@@ -56,7 +61,7 @@ fn equal_cells_are_a_sheet() {
 
 #[test]
 fn equal_cells_of_another_density_are_another_sheet() {
-    let sheet = Cloth::isotropic(2.0);
+    let sheet = sheet_in_few_cells(2.0);
     let whole = run("gpu", gpu(), &sheet, &WalkPlan::new(41, 40_000));
     for (i, copies) in [false, true].into_iter().enumerate() {
         for (name, engine) in engines() {
@@ -74,15 +79,15 @@ fn equal_cells_of_another_density_are_another_sheet() {
 fn layers(sheet: &Cloth, share: f64) -> CellCloth {
     let densities = [0.0, 1.6, 0.0, 0.0, 0.8, 4.0, 0.0, 1.6, 0.0, 0.0];
     let base = Cloth { thickness_um: 1.25 * sheet.thickness_um, ..sheet.clone() };
-    CellCloth::new(base, [3, 2, 10], [0.8, 0.3], |[_, _, iz]| share * densities[iz as usize])
+    CellCloth::new(base, [3, 2, 10], [8.0, 3.0], |[_, _, iz]| share * densities[iz as usize])
 }
 
 #[test]
 fn layers_with_nothing_between_them_are_a_sheet() {
-    let sheet = Cloth::isotropic(1.5);
+    let sheet = sheet_in_few_cells(1.5);
     let whole = run("gpu", gpu(), &sheet, &WalkPlan::new(51, 40_000));
     for (name, engine) in engines() {
-        let z = two_tally_z(&run_cells(name, engine, &layers(&sheet, 1.0), 52, 40_000), &whole);
+        let z = two_tally_z(&run_cells(name, engine, &layers(&sheet, 1.0), 54, 40_000), &whole);
         assert!(z.abs() < GATE, "{name}: z = {z:.1}");
         // Stands at 8 to 10 σ of this comparison.
         let z = two_tally_z(&run_cells(name, engine, &layers(&sheet, 1.053), 53, 40_000), &whole);
@@ -132,7 +137,7 @@ fn straight(cloth: &CellCloth, wi: DVec3) -> f64 {
     sum / f64::from(starts * starts)
 }
 
-const ANGLES: [[f64; 2]; 6] = [[0.0, 0.0], [40.0, 0.0], [60.0, 125.0], [85.0, -20.0], [87.0, 200.0], [89.0, 66.0]];
+const ANGLES: [[f64; 2]; 5] = [[0.0, 0.0], [40.0, 0.0], [60.0, 125.0], [86.0, 200.0], [89.0, -66.0]];
 
 /// Grids in which straight light shows each part of the way: columns, stripes, clumps, mostly empty, one cell.
 fn grids() -> Vec<(&'static str, CellCloth)> {
@@ -157,11 +162,13 @@ fn grids() -> Vec<(&'static str, CellCloth)> {
 /// The worst z of the direct light of a cloth over all directions, for each engine; the walks go through densities that
 /// count `factor` times.
 fn direct_z(what: &str, stated: &CellCloth, factor: f64, seed: u64) -> [f64; 2] {
-    let walks = 400_000;
+    let walks = 250_000;
     let expected = ANGLES.map(|angles| straight(stated, from_degrees(angles)));
     assert!(expected.iter().all(|share| *share > 1e-3), "{what}: hardly any light comes through: {expected:?}");
     let mut cloth = stated.clone();
     cloth.cells.iter_mut().for_each(|cell| cell.0 *= factor);
+    // Black fibers: direct light does not depend on what becomes of a walk that has met one.
+    cloth.base.absorption = "1000".into();
     engines().map(|(name, engine)| {
         let tally = run_cells(name, engine, &cloth, seed, walks);
         let z: Vec<f64> =
@@ -188,7 +195,7 @@ fn direct_light_goes_straight_through_cells() {
 
 #[test]
 fn direct_light_shows_densities_that_are_off() {
-    for (i, ((what, cloth), factor)) in grids().into_iter().zip([1.016, 1.016, 1.017, 1.019, 1.022]).enumerate() {
+    for (i, ((what, cloth), factor)) in grids().into_iter().zip([1.02, 1.02, 1.0215, 1.024, 1.028]).enumerate() {
         // Each stands at 8 to 10 σ in its worst direction.
         let z = direct_z(what, &cloth, factor, 700 + i as u64);
         assert!(z.iter().all(|z| *z > GATE), "{what}: {z:.1?}");

@@ -89,16 +89,25 @@ pub fn deepest(drawn: &Realization) -> f64 {
         drawn.fibers.iter().map(|fiber| fiber.pieces(drawn.period).map(|p| p.length).sum()).collect();
     let onward: Vec<(DVec2, f64)> = (0..drawn.fibers.len()).map(|fiber| onward(drawn, fiber)).collect();
     let radius = |piece: &Piece| drawn.fibers[piece.fiber].radius;
+    let half = |piece: &Piece| piece.ends[0].distance(piece.ends[1]) / 2.0;
+    let spheres: Vec<(DVec3, f64)> =
+        all.iter().map(|piece| ((piece.ends[0] + piece.ends[1]) / 2.0, half(piece) + radius(piece))).collect();
+    let per_period = 1.0 / drawn.period;
     let depth = |index: usize| {
         let piece = &all[index];
         let mut deepest = 0.0f64;
-        for other in &all[..=index] {
+        for (other, (middle, reach)) in all.iter().zip(&spheres).take(index + 1) {
             let touching = radius(piece) + radius(other);
-            let middle = |piece: &Piece| (piece.ends[0] + piece.ends[1]) / 2.0;
-            let half = |piece: &Piece| piece.ends[0].distance(piece.ends[1]) / 2.0;
-            let apart = middle(piece) - middle(other);
-            let nearest = (apart.truncate() / drawn.period).round();
-            let far = half(piece) + half(other) + touching;
+            let apart = spheres[index].0 - middle;
+            let far = spheres[index].1 + reach;
+            if apart.z.abs() > far {
+                continue;
+            }
+            let nearest = (apart.truncate() * per_period).round();
+            // Where the nearest image is too far away all are.
+            if (apart - (nearest * drawn.period).extend(0.0)).length_squared() > far * far {
+                continue;
+            }
             let around = [-1.0, 0.0, 1.0];
             for periods in around.into_iter().flat_map(|x| around.map(|y| nearest + DVec2::new(x, y))) {
                 let shift = (periods * drawn.period).extend(0.0);
@@ -134,12 +143,27 @@ pub fn deepest(drawn: &Realization) -> f64 {
 
 /// Share of a layer that lies inside of fibers, by points at random.
 fn covered(drawn: &Realization, layer: [f64; 2], points: u32, seed: u64) -> f64 {
+    const TILES: usize = 16;
     let all: Vec<Primitive> = drawn.pieces();
+    let tile = drawn.period / TILES as f64;
+    // The pieces that reach into each tile of the repeat.
+    let near: Vec<Vec<&Primitive>> = (0..TILES * TILES)
+        .map(|index| {
+            let middle = (DVec2::new((index % TILES) as f64, (index / TILES) as f64) + 0.5) * tile;
+            let reaches = |piece: &&Primitive| {
+                let apart = piece.centre.truncate() - middle;
+                let apart = apart - (apart / drawn.period).round() * drawn.period;
+                apart.length() <= tile.length() / 2.0 + piece.length / 2.0 + piece.radius
+            };
+            all.iter().filter(reaches).collect()
+        })
+        .collect();
     let inside = |number: u32| {
         let mut random = SplitMix(seed.wrapping_mul(0x1_0000_0001) ^ (u64::from(number) << 20));
         let [x, y, z] = [0; 3].map(|_| random.uniform());
         let point = DVec3::new(x * drawn.period.x, y * drawn.period.y, layer[0] + z * (layer[1] - layer[0]));
-        all.iter().any(|piece| {
+        let [column, row] = [x, y].map(|share| (share * TILES as f64) as usize);
+        near[row * TILES + column].iter().any(|piece| {
             let apart = point - piece.centre;
             let nearest = (apart.truncate() / drawn.period).round();
             // A piece is shorter than half of the element, so its nearest image is enough.
@@ -309,14 +333,14 @@ pub fn read(stem: &str, text: String) -> Scene {
 
 #[test]
 fn what_does_not_fit_is_refused_and_each_cure_works() {
-    let draw = |fibers: u32, size: f64| {
-        let yarn = Yarn::new(fibers, size, size, "ply_twist_per_m = 1000");
-        let scene = read("tight", Woven::of(&[".X", "X."], yarn, 130.0).text());
+    let draw = |fibers: u32, threads_per_cm: f64| {
+        let yarn = Yarn::new(fibers, 37.0, 37.0, "ply_twist_per_m = 1000");
+        let scene = read("tight", Woven::of(&[".X", "X."], yarn, threads_per_cm).text());
         let packed =
             |packing| Realizer::new(&scene, packing, DrawnFor::Medium).expect("it can be laid out").draw(0).map(|_| ());
         [packed(Packing::Separate), packed(Packing::Random)]
     };
-    let [tight, random] = draw(22, 50.0);
+    let [tight, random] = draw(12, 185.0);
     let error = tight.expect_err("it is too dense");
     assert!(matches!(error, Error::Input(_)) && error.exit_code() == 2);
     let message = error.to_string();
@@ -325,7 +349,7 @@ fn what_does_not_fit_is_refused_and_each_cure_works() {
         assert!(message.contains(part), "{message}");
     }
     assert!(message.contains("Give the yarns more room or take fewer fibers"), "{message}");
-    let ([roomy, _], [fewer, _]) = (draw(22, 60.0), draw(16, 50.0));
+    let ([roomy, _], [fewer, _]) = (draw(12, 160.0), draw(8, 185.0));
     for cured in [random, roomy, fewer] {
         assert!(cured.is_ok(), "{cured:?}");
     }

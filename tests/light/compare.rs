@@ -1,12 +1,13 @@
 //! Comparing results: equal runs are called different as often as stated, different ones are.
 
 use crate::common::stats::{GATE, binomial_z, chi2_z};
-use crate::common::{Cloth, rgb, run};
+use crate::common::{Cloth, gpu, rgb, run};
 use fiberwalk::bsdf::{Comparison, Component, LEVEL, Outgoing, compare, noise, reciprocity};
 use fiberwalk::goniometer::{Goniometer, Tally};
+use fiberwalk::measure::{Prepared, prepare};
 use fiberwalk::reference::Reference;
 use fiberwalk::scene::Side;
-use fiberwalk::walk::WalkPlan;
+use fiberwalk::walk::{Engine, WalkPlan};
 use rayon::prelude::*;
 
 const PAIRS: u64 = 200;
@@ -20,17 +21,23 @@ fn dyed() -> Cloth {
     Cloth { absorption: rgb([0.0, 20.0, 120.0]), exit: 2, ..lossless() }
 }
 
-fn tally(cloth: &Cloth, seed: u64, walks: u64) -> Tally {
-    run("cpu", &Reference, cloth, &WalkPlan::new(seed, walks))
+fn prepared(cloth: &Cloth) -> Prepared {
+    prepare(&cloth.scene()).expect("the cloth is fine")
+}
+
+fn tally(engine: &dyn Engine, Prepared { tables, goniometer, .. }: &Prepared, seed: u64, walks: u64) -> Tally {
+    let tally = engine.run(tables, goniometer, &WalkPlan::new(seed, walks), &mut |_| {}).expect("it runs");
+    tally.check(walks).expect("its account closes");
+    tally
 }
 
 /// Pairs of runs of `walks[0]` and `walks[1]` walks; B is of another cloth if one is given.
-fn pairs(cloth: &Cloth, other: &Cloth, walks: [u64; 2], count: u64) -> Vec<Comparison> {
-    let goniometer = Goniometer::new(&cloth.scene().measure);
+fn pairs(engine: &(dyn Engine + Sync), cloth: &Cloth, other: &Cloth, walks: [u64; 2], count: u64) -> Vec<Comparison> {
+    let [cloth, other] = [cloth, other].map(prepared);
     let pair = |i| {
-        let [a, b] =
-            [(cloth, 10_000, walks[0]), (other, 20_000, walks[1])].map(|(of, seed, walks)| tally(of, seed + i, walks));
-        compare(&a, &b, &goniometer, [None; 2])
+        let [a, b] = [(&cloth, 20_000, walks[0]), (&other, 30_000, walks[1])]
+            .map(|(of, seed, walks)| tally(engine, of, seed + i, walks));
+        compare(&a, &b, &cloth.goniometer, [None; 2])
     };
     (0..count).into_par_iter().map(pair).collect()
 }
@@ -45,10 +52,11 @@ fn shares(comparisons: &[Comparison], level: f64) -> [f64; 2] {
 
 #[test]
 fn equal_runs_are_called_different_as_often_as_stated() {
-    for (cloth, channels, least) in [(lossless(), 1, 25), (dyed(), 3, 15)] {
+    let engines: [&(dyn Engine + Sync); 2] = [&Reference, gpu()];
+    for (engine, (cloth, channels, least)) in engines.into_iter().zip([(lossless(), 1, 25), (dyed(), 3, 15)]) {
         // Equal runs, and a short against a long one.
         for walks in [[6000, 6000], [4000, 32_000]] {
-            let all = pairs(&cloth, &cloth, walks, PAIRS);
+            let all = pairs(engine, &cloth, &cloth, walks, PAIRS);
             let called = all.iter().filter(|comparison| comparison.differ()).count();
             let tested = all.iter().map(|c| c.each.cells.tested).min().unwrap_or_default();
             println!("{channels} channels, {walks:?}: {called} of {PAIRS} called different, {tested} cells or more");
@@ -73,8 +81,8 @@ fn equal_runs_are_called_different_as_often_as_stated() {
 fn other_fibers_are_called_different() {
     for cloth in [lossless(), dyed()] {
         let bent = Cloth { ior: 1.04 * cloth.ior, ..cloth.clone() };
-        let called = |walks| pairs(&cloth, &bent, walks, 20).iter().filter(|c| c.differ()).count();
-        let called = [called([40_000, 40_000]), called([20_000, 200_000])];
+        let called = |walks| pairs(gpu(), &cloth, &bent, walks, 20).iter().filter(|c| c.differ()).count();
+        let called = [called([26_000, 26_000]), called([13_000, 130_000])];
         println!("{called:?} of 20");
         assert!(called.iter().all(|called| *called > 15), "{called:?} of 20");
     }
@@ -83,14 +91,14 @@ fn other_fibers_are_called_different() {
 #[test]
 fn the_error_is_the_difference_without_its_noise() {
     // Equal cloths: E² scatters around 0 by its resolution; of another index, E does not depend on the walks.
-    let all = pairs(&lossless(), &lossless(), [4000, 4000], PAIRS);
+    let all = pairs(gpu(), &lossless(), &lossless(), [4000, 4000], PAIRS);
     let above = all.iter().filter(|c| c.error > c.resolution).count() as u64;
     println!("E above its resolution in {above} of {PAIRS}");
     // One in 6.3 of normal deviates lies above one standard deviation.
     assert!(binomial_z(above, PAIRS, 0.1587).abs() < GATE, "{above}");
     let bent = Cloth { ior: 1.1 * lossless().ior, ..lossless() };
     let mean = |walks| {
-        let all = pairs(&lossless(), &bent, [walks, walks], PAIRS);
+        let all = pairs(gpu(), &lossless(), &bent, [walks, walks], PAIRS);
         let sum = |power: i32| all.iter().map(|c| c.error.powi(2 * power)).sum::<f64>() / PAIRS as f64;
         (sum(1), ((sum(2) - sum(1).powi(2)) / (PAIRS - 1) as f64).sqrt())
     };
@@ -99,14 +107,15 @@ fn the_error_is_the_difference_without_its_noise() {
     println!("E² {few:?} and {many:?}: z = {z:.1}");
     assert!(z.abs() < GATE && many.0 > 10.0 * many.1, "{few:?}, {many:?}");
     // Without the noise taken out it would.
-    let raw = |(square, _): (f64, f64), walks| square + 2.0 * noise(&tally(&lossless(), 5, walks)).powi(2);
+    let raw =
+        |(square, _): (f64, f64), walks| square + 2.0 * noise(&tally(gpu(), &prepared(&lossless()), 5, walks)).powi(2);
     assert!((raw(few, 1000) - raw(many, 8000)).abs() > GATE * few.1.hypot(many.1));
 }
 
 #[test]
 fn direct_light_takes_part() {
     let thin = |length| Cloth { exit: 2, ..Cloth::new(length, crate::common::ISOTROPIC) }.lit_from("[[0, 0]]");
-    let [a, b] = [(1.0, 1), (1.2, 2)].map(|(length, seed)| tally(&thin(length), seed, 400_000));
+    let [a, b] = [(1.0, 1), (1.2, 2)].map(|(length, seed)| tally(gpu(), &prepared(&thin(length)), seed, 400_000));
     let goniometer = Goniometer::new(&thin(1.0).scene().measure);
     let comparison = compare(&a, &b, &goniometer, [None; 2]);
     let share = |tally: &Tally| tally.direct(0) as f64 / 400_000.0;
@@ -134,7 +143,7 @@ fn results_report_how_reciprocal_the_light_is() {
         exit: 16,
         ..Cloth::new(40.0, &part([1.0, 0.2, 0.8]))
     };
-    let tally = run("gpu", crate::common::gpu(), &cloth, &WalkPlan::new(31, 40_000));
+    let tally = run("gpu", gpu(), &cloth, &WalkPlan::new(31, 40_000));
     let goniometer = Goniometer::new(&cloth.scene().measure);
     let fine = residuals(&tally, &goniometer);
     println!("z and pairs: {fine:.1?}");

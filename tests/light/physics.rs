@@ -7,6 +7,7 @@ use fiberwalk::goniometer::Tally;
 use fiberwalk::walk::{Engine, WalkPlan};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::OnceLock;
 
 /// The unit vector at θ, φ in degrees.
 fn from_degrees([theta, phi]: [f64; 2]) -> DVec3 {
@@ -39,7 +40,7 @@ fn mean_sine(orientation: &str, m: DVec3) -> f64 {
 
 /// z of the direct light of each listed direction against exp(−H d / cos θ) of the stated cloth.
 fn direct_z(name: &str, engine: &dyn Engine, cloth: &Cloth, stated: &Cloth, seed: u64) -> Vec<f64> {
-    let walks = 1_000_000;
+    let walks = 620_000;
     let tally = cloth.run(engine, &WalkPlan::new(seed, walks));
     assert_ran(&tally, name);
     let (density, orientation) = &stated.fibers[0];
@@ -67,11 +68,11 @@ fn direct_light_follows_the_exponential_law() {
 }
 
 #[test]
-fn direct_light_shows_a_radius_that_is_one_percent_off() {
-    // At depths near 1, δP = P·H d·δ against √(P(1−P)/10⁶): 1.2 % stand at 8 to 10 σ.
+fn direct_light_shows_a_radius_that_is_one_and_a_half_percent_off() {
+    // At depths near 1, δP = P·H d·δ against √(P(1−P)/n): 1.5 % stand at 8 to 10 σ.
     for (i, orientation) in [ISOTROPIC, PLANAR, &aligned(AXIS)].into_iter().enumerate() {
         let stated = direct_cloth(orientation);
-        let bent = Cloth { radius_um: 10.12, ..stated.clone() };
+        let bent = Cloth { radius_um: 10.15, ..stated.clone() };
         for (name, engine) in engines() {
             let z = direct_z(name, engine, &bent, &stated, 200 + i as u64);
             assert!(z.iter().any(|z| z.abs() > GATE), "{name}, {orientation}: z = {z:.1?}");
@@ -152,16 +153,20 @@ fn aligned_cloth((axis, angles, ior, depth): ([f64; 3], [f64; 2], f64, f64)) -> 
     Cloth { ior, ..Cloth::new(depth / 0.02, &aligned(axis)) }.lit_from(&format!("[{angles:?}]"))
 }
 
+/// Walks of engines and of brute force.
+const ALIGNED_WALKS: u64 = 1_000_000;
+
 /// z of an engine's exit table against brute force on the stated sheet.
-fn aligned_z(name: &str, engine: &dyn Engine, case: usize, ior_factor: f64, walks: u64) -> f64 {
+fn aligned_z(name: &str, engine: &dyn Engine, case: usize, ior_factor: f64) -> f64 {
     let (axis, angles, ior, depth) = ALIGNED[case];
-    let tally = aligned_cloth((axis, angles, ior * ior_factor, depth)).run(engine, &WalkPlan::new(5, walks));
+    let tally = aligned_cloth((axis, angles, ior * ior_factor, depth)).run(engine, &WalkPlan::new(5, ALIGNED_WALKS));
     assert_ran(&tally, name);
     let axis = DVec3::from(axis).normalize();
     let sheet = AlignedSheet { radius: 0.01, length_density: depth / 0.02, thickness: 1.0, ior, axis, exit: 16 };
-    let expected = sheet.measure(from_degrees(angles), walks, 900 + case as u64);
+    static EXPECTED: [OnceLock<Vec<u64>>; 4] = [const { OnceLock::new() }; 4];
+    let expected = EXPECTED[case].get_or_init(|| sheet.measure(from_degrees(angles), ALIGNED_WALKS, 900 + case as u64));
     let counted = &tally.of_start(0)[..expected.len()];
-    let (chi2, freedom) = two_sample_chi2(counted, walks, &expected, walks);
+    let (chi2, freedom) = two_sample_chi2(counted, ALIGNED_WALKS, expected, ALIGNED_WALKS);
     chi2_z(chi2, freedom)
 }
 
@@ -169,7 +174,7 @@ fn aligned_z(name: &str, engine: &dyn Engine, case: usize, ior_factor: f64, walk
 fn scattering_off_aligned_fibers_is_what_a_ray_tracer_finds() {
     for case in 0..ALIGNED.len() {
         for (name, engine) in engines() {
-            let z = aligned_z(name, engine, case, 1.0, 1_000_000);
+            let z = aligned_z(name, engine, case, 1.0);
             assert!(z < GATE, "{name}, case {case}: z = {z:.1}");
         }
     }
@@ -180,7 +185,7 @@ fn scattering_off_aligned_fibers_shows_a_bent_index() {
     // Factors of the index that stand at 8 to 10 σ of this comparison.
     for (case, factor) in [(0, 1.0128), (1, 1.0051), (2, 1.0119), (3, 1.0173)] {
         for (name, engine) in engines() {
-            let z = aligned_z(name, engine, case, factor, 1_000_000);
+            let z = aligned_z(name, engine, case, factor);
             println!("{name}, case {case}, index × {factor}: z = {z:.1}");
             assert!(z > GATE, "{name}, case {case}: z = {z:.1}");
         }

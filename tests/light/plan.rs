@@ -101,7 +101,7 @@ fn size(budget: &Budget, part: Part) -> Deviation {
 #[test]
 fn a_budget_finds_cells_that_are_too_large() {
     let scene = woven();
-    let [fine, coarse] = [2.0, 16.0].map(|edge| budget(&scene, |own| own.edged(edge), 2048));
+    let [fine, coarse] = [4.0, 16.0].map(|edge| budget(&scene, |own| own.edged(edge), 2048));
     for part in [Part::Cells, Part::Total] {
         let [fine, coarse] = [&fine, &coarse].map(|budget| size(budget, part));
         // The sum of both standard errors lies between them.
@@ -109,11 +109,11 @@ fn a_budget_finds_cells_that_are_too_large() {
     }
     // The noise is that of all walks of the configuration.
     let extent = Extent::of(&scene).expect("it can be laid out");
-    let own = Configuration::of(&scene, &extent).edged(2.0);
+    let own = Configuration::of(&scene, &extent).edged(16.0);
     let trial = Trial::prepare(&scene, &extent, own).expect("the medium");
     let blocks = tallies(&trial, own.seed(3), 0, 2048);
-    assert_eq!(size(&fine, Part::Noise).value, block_noise(&blocks).expect("alike").value);
-    assert_eq!(fine.walks, BLOCKS * 2048);
+    assert_eq!(size(&coarse, Part::Noise).value, block_noise(&blocks).expect("alike").value);
+    assert_eq!(coarse.walks, BLOCKS * 2048);
 }
 
 #[test]

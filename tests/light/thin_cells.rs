@@ -95,6 +95,8 @@ fn sources() -> [Source; 4] {
 #[test]
 fn equal_light_of_thin_cells_is_tested_and_called_different_as_often_as_stated() {
     for (source, walks) in sources().into_iter().zip([[8000, 8000], [2500, 2500], [1000, 3000], [2000, 8000]]) {
+        // Few directions do.
+        let source = Source { incident: BasisChoice::Disc(4), ..source };
         let all = source.pairs(&source, walks, PAIRS);
         let called = all.iter().filter(|comparison| comparison.differ()).count();
         println!(

@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Walk through the fibers themselves as well, and through finer media, and say where the error of the model comes from
     #[arg(long)]
     budget: bool,
+    /// End with exit code 1 where the tolerance was not kept, or could not be told to be
+    #[arg(long)]
+    strict: bool,
     /// No notes and no progress, only results and errors
     #[arg(long)]
     quiet: bool,
@@ -165,10 +168,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ready = arguments.plan(&mut scene, ready)?;
     }
     let plan = ready.plan.take();
+    if arguments.strict && plan.is_none() {
+        let message =
+            "--strict asks whether a tolerance was kept; leave out --walks, --time and what is said of the model";
+        return Err(Error::Input(message.into()));
+    }
     let mut measurement = match scene.model.medium {
         Medium::Implicit => arguments.through_medium(&mut scene, &source, ready, started)?,
         Medium::Explicit => arguments.through_fibers(&scene, &source, ready, started)?,
     };
+    measurement.promise = plan.as_ref().map(|plan| planned::promise(plan, &measurement));
     measurement.plan = plan.map(|plan| plan.summary());
     let mut budget = String::new();
     if arguments.budget {
@@ -190,7 +199,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         reciprocity_lines(&scene, &measurement),
         speed(&measurement),
     ];
-    print(&format!("{}\n{files}", findings.concat()))
+    print(&format!("{}\n{files}", findings.concat()))?;
+    planned::tell_promise(measurement.promise.as_ref(), arguments.strict)
 }
 
 impl Arguments {

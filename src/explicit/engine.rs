@@ -72,17 +72,21 @@ impl Explicit {
         Explicit::found(scene, Some(usize::MAX >> 1), &first, Box::new(move |_| Ok(grid.clone())))
     }
 
+    /// Walks of each of so many starts through one realization like `first` where nothing is said of their number.
+    pub fn usual_walks(first: &FiberGrid, starts: usize) -> u64 {
+        (by_size(first) / starts).clamp(1, MOST_OF_START) as u64
+    }
+
     fn found(scene: &Scene, walks_per_realization: Option<usize>, first: &FiberGrid, draw: Draw) -> Explicit {
         let used = scene.kinds();
         let place = |kind| used.iter().position(|&known| known == kind).unwrap_or_default();
-        let by_size = FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK);
         Explicit {
             draw,
             kinds: Kind::of_scene(scene),
             places: (0..scene.fibers.len()).map(place).collect(),
             half_length: scene.model.length_over_radius / 2.0,
             anew: false,
-            walks_per_realization: walks_per_realization.unwrap_or(by_size),
+            walks_per_realization: walks_per_realization.unwrap_or_else(|| by_size(first)),
             most_of_start: if walks_per_realization.is_some() { usize::MAX } else { MOST_OF_START },
             bytes: first.bytes(),
             pieces: first.tubes().len(),
@@ -162,6 +166,11 @@ impl Explicit {
             .map(|(start, i)| score(start, i))
             .collect()
     }
+}
+
+/// Walks through a realization, all starts together: the more the larger it is.
+fn by_size(first: &FiberGrid) -> usize {
+    FEWEST_WALKS.max(first.bytes().iter().sum::<usize>() / BYTES_PER_WALK)
 }
 
 impl Walker for Explicit {

@@ -1,11 +1,13 @@
 //! The medium of a cloth against its fibers.
 
 use super::run::Prepared;
-use crate::bsdf::{Estimate, Totals, totals};
+use crate::bsdf::{
+    Distance, Estimate, Gap, Share, Totals, Verdict, distance_of, hemispherical, scattered_parts, totals,
+};
 use crate::cloth::DrawnFor;
 use crate::error::Result;
 use crate::explicit::Explicit;
-use crate::goniometer::Tally;
+use crate::goniometer::{Goniometer, Tally};
 use crate::scene::{Packing, Scene};
 use crate::walk::{WalkPlan, Walker};
 use rayon::prelude::*;
@@ -20,17 +22,20 @@ const SEPARATE_PIECES: u64 = 1 << 17;
 const OF_YARNS: u64 = 1 << 15;
 const FEWEST: u64 = 4;
 
-/// Where light goes through the fibers themselves, and through the medium: means over all starts in one channel.
+/// Where light goes through the fibers themselves, and through the medium, in one channel: means over the hemisphere and the lit
+/// sides as a table of totals has them, plain ones over listed directions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AgainstFibers {
     /// Walks through the fibers.
     pub walks: u64,
     /// Index of the channel, the middle one.
     pub channel: usize,
-    /// Reflected, transmitted and direct light through fibers; the errors are those between realizations.
-    pub fibers: [Estimate; 3],
+    /// Reflected, transmitted, direct and absorbed light through fibers; the errors are those between realizations.
+    pub fibers: [Estimate; 4],
     /// The same through the medium.
-    pub medium: [Estimate; 3],
+    pub medium: [Estimate; 4],
+    /// E² of the scattered light of all starts and channels, by parts of the hemispheres.
+    pub light: Distance,
 }
 
 impl AgainstFibers {
@@ -59,11 +64,15 @@ impl AgainstFibers {
         let channel = tally.channels() / 2;
         let through = |number| {
             let plan = WalkPlan { first: number * each, ..WalkPlan::new(!seed, each) };
-            Ok(means(&explicit.run(goniometer, &plan, &mut |_| {})?, channel))
+            let tally = explicit.run(goniometer, &plan, &mut |_| {})?;
+            let values = scattered_parts(&tally, &goniometer.exit).iter().map(|part| part.value).collect();
+            Ok((means(&tally, goniometer, channel), values))
         };
-        let parts: Vec<[Estimate; 3]> = (0..realizations).into_par_iter().map(through).collect::<Result<_>>()?;
-        let mut sums = [(0.0, 0.0); 3];
-        for (sum, share) in parts.iter().flat_map(|part| (0..3).zip(part)) {
+        let blocks: Vec<([Estimate; 4], Vec<f64>)> =
+            (0..realizations).into_par_iter().map(through).collect::<Result<_>>()?;
+        let (parts, light): (Vec<[Estimate; 4]>, Vec<Vec<f64>>) = blocks.into_iter().unzip();
+        let mut sums = [(0.0, 0.0); 4];
+        for (sum, share) in parts.iter().flat_map(|part| (0..4).zip(part)) {
             sums[sum] = (sums[sum].0 + share.value, sums[sum].1 + share.value.powi(2));
         }
         let (n, walks) = (realizations as f64, realizations * each * starts);
@@ -73,25 +82,50 @@ impl AgainstFibers {
             let alone = (value * (1.0 - value) / walks as f64).max(0.0).sqrt().max(1.0 / walks as f64);
             Estimate { value, stderr: ((square / n - value * value).max(0.0) / (n - 1.0)).sqrt().max(alone) }
         });
-        Ok(Some(AgainstFibers { walks, channel, fibers, medium: means(tally, channel) }))
+        let light = apart(&scattered_parts(tally, &goniometer.exit), &light)?;
+        Ok(Some(AgainstFibers { walks, channel, fibers, medium: means(tally, goniometer, channel), light }))
     }
 
     /// By how much the medium is off, as a share of all light.
-    pub fn differences(&self) -> [Estimate; 3] {
-        [0, 1, 2].map(|i| Estimate {
+    pub fn differences(&self) -> [Estimate; 4] {
+        [0, 1, 2, 3].map(|i| Estimate {
             value: self.medium[i].value - self.fibers[i].value,
             stderr: self.medium[i].stderr.hypot(self.fibers[i].stderr),
         })
     }
+
+    /// What it says of a tolerance.
+    pub fn verdict(&self) -> Verdict {
+        let differences = self.differences();
+        let gap = |(share, i): (Share, usize)| Gap {
+            share,
+            start: None,
+            channel: self.channel,
+            value: self.fibers[i].value,
+            off: differences[i],
+        };
+        Verdict { light: self.light, gaps: Share::ALL.into_iter().zip(0..).map(gap).collect() }
+    }
 }
 
-/// Means over the starts of what is reflected, transmitted and direct.
-fn means(tally: &Tally, channel: usize) -> [Estimate; 3] {
-    let parts: Vec<Totals> = (0..tally.starts()).map(|start| totals(tally, start, channel)).collect();
+/// E² between the light of a medium and that of blocks of walks through the fibers. All blocks are held against the same walks through
+/// the medium, whose noise is therefore taken off.
+fn apart(medium: &[Estimate], fibers: &[Vec<f64>]) -> Result<Distance> {
+    let values: Vec<f64> = medium.iter().map(|part| part.value).collect();
+    let Distance { square, square_error } = distance_of(&vec![values; fibers.len()], fibers)?;
+    let sum = |of: fn(&Estimate) -> f64| medium.iter().map(of).sum::<f64>();
+    let (noise, all) = (sum(|part| part.stderr.powi(2)), sum(|part| part.value.powi(2)));
+    Ok(Distance { square: square - if all > 0.0 { noise / all } else { 0.0 }, square_error })
+}
+
+/// Means of what is reflected, transmitted, direct and absorbed.
+fn means(tally: &Tally, goniometer: &Goniometer, channel: usize) -> [Estimate; 4] {
+    let sides = 0..goniometer.sides.len();
+    let hemispheres: Option<Vec<Totals>> = sides.map(|side| hemispherical(tally, goniometer, side, channel)).collect();
+    let parts = hemispheres.unwrap_or_else(|| (0..tally.starts()).map(|start| totals(tally, start, channel)).collect());
     let n = parts.len() as f64;
-    let mean = |of: fn(&Totals) -> Estimate| Estimate {
-        value: parts.iter().map(|part| of(part).value).sum::<f64>() / n,
-        stderr: parts.iter().map(|part| of(part).stderr.powi(2)).sum::<f64>().sqrt() / n,
-    };
-    [mean(|part| part.reflectance), mean(|part| part.transmittance), mean(|part| part.direct)]
+    Share::ALL.map(|share| Estimate {
+        value: parts.iter().map(|part| share.of(part).value).sum::<f64>() / n,
+        stderr: parts.iter().map(|part| share.of(part).stderr.powi(2)).sum::<f64>().sqrt() / n,
+    })
 }

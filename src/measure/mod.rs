@@ -7,6 +7,7 @@
 mod engine;
 mod fibers;
 mod figures;
+mod promise;
 mod run;
 mod self_test;
 mod stop;
@@ -14,6 +15,7 @@ mod stop;
 pub use engine::{ChosenEngine, EngineChoice, Grounds, Rated, choose, figure_name};
 pub use fibers::AgainstFibers;
 pub use figures::{Figures, standard_rate};
+pub use promise::{Measured, Promise};
 pub use run::{
     MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_from,
     prepare_with, run,

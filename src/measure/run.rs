@@ -2,6 +2,7 @@
 
 use super::engine::Grounds;
 use super::fibers::AgainstFibers;
+use super::promise::Promise;
 use super::stop::Stop;
 use crate::bsdf::noise;
 use crate::cloth::{Cloth, DrawnFor, Realizer};
@@ -63,6 +64,8 @@ pub struct Measurement {
     pub plan: Option<serde_json::Value>,
     /// Where the error of the model comes from, if that was measured.
     pub budget: Option<serde_json::Value>,
+    /// Whether the tolerance was kept, where a planner was to keep one.
+    pub promise: Option<Promise>,
     /// Why this engine, where there was a choice.
     pub grounds: Option<Grounds>,
 }
@@ -289,6 +292,7 @@ pub fn run(
         against: None,
         plan: None,
         budget: None,
+        promise: None,
         grounds: None,
     })
 }

@@ -2,7 +2,7 @@
 
 use super::pilot::Pilot;
 use crate::measure::ChosenEngine;
-use crate::scene::{Scene, Structure};
+use crate::scene::{Packing, Scene, Structure};
 
 /// What sends walks through a medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,10 +30,12 @@ impl EngineClass {
 /// yarns, are the second.
 const PIECE_TESTED: [f64; 2] = [32.0, 80.0];
 const PIECE_DRAWN: [f64; 2] = [550.0, 6000.0];
+/// The same where fibers are moved apart; close ones take more.
+const PIECE_APART: [f64; 2] = [40e3, 20e3];
 /// A walk through finer cells takes this power of 1/edge more time: flights are those of the densest cell, and larger tables fit the
 /// caches less. The second is that of untwisted yarns, whose cells are alike along them.
 const FINER: [f64; 2] = [0.35, 0.15];
-/// Realizations that a medium is counted from, and times that counting takes as long as drawing.
+/// Realizations that a medium is counted from, and times that counting a piece takes as long as drawing one that may overlap.
 const COUNTED: f64 = 40.0;
 const COUNTING: f64 = 3.0;
 
@@ -48,12 +50,19 @@ pub struct Cost {
     finer: f64,
     /// Seconds of drawing a piece and of sorting it, all threads at work.
     pub piece: f64,
+    /// Seconds of counting a piece once it is drawn, all threads at work.
+    counted: f64,
 }
 
 impl Cost {
     /// Of a scene on an engine.
     pub fn of(scene: &Scene, engine: EngineClass) -> Cost {
         let cells = !matches!(scene.structure, Structure::Sheet(_));
+        let kind = usize::from(!cells);
+        let drawn = match scene.model.packing {
+            Packing::Random => PIECE_DRAWN[kind],
+            Packing::Separate => PIECE_APART[kind],
+        };
         let threads = rayon::current_num_threads() as f64;
         let event = match (engine, cells) {
             (EngineClass::Cpu, false) => 180.0 / threads,
@@ -65,8 +74,9 @@ impl Cost {
         Cost {
             finer: FINER[usize::from(scene.structure.untwisted())],
             event: 1e-9 * event,
-            test: 1e-9 * PIECE_TESTED[usize::from(!cells)] / threads,
-            piece: 1e-9 * PIECE_DRAWN[usize::from(!cells)] / threads,
+            test: 1e-9 * PIECE_TESTED[kind] / threads,
+            piece: 1e-9 * drawn / threads,
+            counted: 1e-9 * COUNTING * PIECE_DRAWN[kind] / threads,
         }
     }
 
@@ -77,6 +87,6 @@ impl Cost {
 
     /// Seconds of counting a medium.
     pub fn counting(&self, pilot: &Pilot) -> f64 {
-        self.piece * pilot.pieces as f64 * COUNTED * (1.0 + COUNTING)
+        pilot.pieces as f64 * COUNTED * (self.piece + self.counted)
     }
 }

@@ -10,6 +10,7 @@
 mod averaging;
 mod budget;
 pub mod chart;
+mod choice;
 mod configuration;
 mod cost;
 mod pilot;
@@ -20,9 +21,10 @@ mod trial;
 
 pub use averaging::{Averaged, Averaging};
 pub use budget::{AVERAGED, Blocks, Budget, BudgetPart, Deviation, Evidence, Part, refinements};
+pub use choice::{Candidate, Plan};
 pub use configuration::{Configuration, Extent, short};
 pub use cost::{Cost, EngineClass};
-pub use pilot::Pilot;
-pub use planner::{Candidate, Plan, candidates, plan};
+pub use pilot::{Beside, Pilot};
+pub use planner::{candidates, plan};
 pub use prior::{Belief, Expected};
 pub use trial::{BLOCKS, Block, Trial};

@@ -1,12 +1,12 @@
-//! Pilot runs: a few walks through the fibers themselves and through a medium, on the same few realizations.
+//! Pilot runs: walks through the fibers themselves and through media, on the same few realizations, in rounds that grow.
 
 use super::trial::BLOCKS;
-use crate::bsdf::{Distance, block_noise, distance};
+use crate::bsdf::{Verdict, block_noise};
 use crate::cloth::{DrawnFor, FiberGrid, Realizer};
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
-use crate::scene::{FirstHit, Incident, Scene};
+use crate::scene::{BasisChoice, FirstHit, Incident, Scene};
 use crate::tables::SamplingTables;
 use crate::walk::{Engine, FirstHits, WalkPlan, Walker};
 use rayon::prelude::*;
@@ -16,95 +16,185 @@ use std::sync::Arc;
 const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
 /// Longest list of directions that a pilot takes as it is.
 const MOST_DIRECTIONS: usize = 8;
-/// Cells along an edge of its exit disc.
-const EXIT: &str = "8";
-/// Walks of each direction and block of the first, short round.
+/// Cells along an edge of its exit disc; a run that has fewer exit cells has those of its own.
+const EXIT: u32 = 6;
+/// Walks through a medium for each one through the fibers, which takes longer; they set out along the same ray.
+const BESIDE: u64 = 4;
+/// Walks of each direction and block of the first, short look, and the fewest of a round.
 const FIRST: u64 = 64;
-/// Most of them in all.
+/// Most of them in a round.
 const MOST: u64 = 1 << 15;
+/// Most walks of all directions: a first hit of each is kept.
+const MOST_IN_ALL: f64 = (1 << 21) as f64;
 /// Numbers of walks that a block has for its own.
 const OF_BLOCK: u64 = 1 << 32;
 
-/// Walks through the fibers of one realization a block.
+/// Walks of every block through a realization of its own.
+struct Round {
+    /// Number of the first walk in its block, and walks of each direction.
+    first: u64,
+    walks: u64,
+    /// By block, where the medium's walks first meet the fibers; none where the medium says that.
+    first_hits: Vec<Arc<FirstHits>>,
+}
+
+/// Walks through the fibers, in rounds that each draw a realization a block.
 pub struct Pilot {
     scene: Scene,
     goniometer: Goniometer,
-    /// Those of the blocks, where a medium's walks first meet them.
-    realizations: Vec<Arc<FiberGrid>>,
+    realizer: Realizer,
+    seed: u64,
+    rounds: Vec<Round>,
+    /// By block.
     fibers: Vec<Tally>,
     /// Pieces that a walk through the fibers is tested against.
     pub tests_a_walk: f64,
     /// Pieces of a realization.
     pub pieces: usize,
+    /// Walks, all starts together, that a run makes through one realization.
+    pub walks_a_realization: f64,
     /// Relative noise of the scattered light of one walk of each direction: noise falls with the root of the walks.
     pub noise_of_one: f64,
 }
 
-impl Pilot {
-    /// Exit cells of each side of a pilot.
-    pub const EXIT_CELLS: f64 = 64.0;
+/// Walks through a medium, beside those of a pilot; none so far by default.
+#[derive(Default)]
+pub struct Beside {
+    blocks: Vec<Tally>,
+    rounds: usize,
+}
 
+impl Beside {
+    /// Tentative events of a walk.
+    pub fn events(&self) -> f64 {
+        let sum = |of: fn(&Tally) -> u64| self.blocks.iter().map(of).sum::<u64>() as f64;
+        sum(|block| block.counts.tentative_events) / sum(|block| block.counts.launched)
+    }
+}
+
+impl Pilot {
     /// Draw a realization for each block, and make as many walks through them as `walks` says of the tests that a walk takes and of
     /// the pieces that are drawn, all directions and blocks together. What is found does not depend on the clock.
     ///
     /// # Errors
     /// Those of [`Realizer::draw`] and [`FiberGrid::of`].
-    pub fn new(scene: &Scene, seed: u64, walks: impl Fn(f64, f64) -> f64) -> Result<Pilot> {
+    pub fn new(scene: &Scene, laid: Option<&Realizer>, seed: u64, walks: impl Fn(f64, f64) -> f64) -> Result<Pilot> {
+        let starts = Goniometer::new(&scene.measure).starts();
         let mut scene = scene.clone();
         let listed = matches!(&scene.measure.incident, Incident::List(list) if list.len() <= MOST_DIRECTIONS);
         if !listed {
             scene.measure.set_from_flag("incident", DIRECTIONS)?;
         }
-        scene.measure.set_from_flag("exit", EXIT)?;
+        if scene.measure.exit.cells() > (EXIT * EXIT) as usize {
+            scene.measure.exit = BasisChoice::Disc(EXIT);
+        }
         let goniometer = Goniometer::new(&scene.measure);
-        let realizer = Realizer::new(&scene, scene.model.packing, DrawnFor::Pilot)?;
+        let new = || Realizer::new(&scene, scene.model.packing, DrawnFor::Pilot);
+        let realizer = laid.map_or_else(new, |laid| Ok(laid.for_user(DrawnFor::Pilot)))?;
         // What a walk costs, a few through the first realization tell.
-        let drawn = |number: u64| FiberGrid::of(&realizer.draw(number)?).map(Arc::new);
-        let first = drawn(0)?;
-        let pieces = first.tubes().len();
-        let few =
-            Explicit::of_one(&scene, first.clone()).run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
-        let tests_a_walk = few.counts.tentative_events as f64 / few.counts.launched as f64;
-        let all = walks(tests_a_walk, pieces as f64 * BLOCKS as f64);
-        let of_block = ((all / (BLOCKS as f64 * goniometer.starts() as f64)) as u64).clamp(FIRST, MOST);
-        let kept = scene.model.first_hit == FirstHit::Fibers;
-        let block = |number: u64| {
-            let grid = if number == 0 { first.clone() } else { drawn(number)? };
-            let plan = WalkPlan { first: number * OF_BLOCK + FIRST, ..WalkPlan::new(!seed, of_block) };
-            let tally = Explicit::of_one(&scene, grid.clone()).run(&goniometer, &plan, &mut |_| {})?;
-            Ok((tally, kept.then_some(grid)))
+        let first = Arc::new(FiberGrid::of(&realizer.draw(0)?)?);
+        let explicit = Explicit::of_one(&scene, first.clone());
+        let few = explicit.run(&goniometer, &WalkPlan::new(!seed, FIRST), &mut |_| {})?;
+        let mut pilot = Pilot {
+            goniometer,
+            realizer,
+            seed,
+            rounds: Vec::new(),
+            fibers: Vec::new(),
+            tests_a_walk: few.counts.tentative_events as f64 / few.counts.launched as f64,
+            pieces: first.tubes().len(),
+            walks_a_realization: (Explicit::usual_walks(&first, starts) * starts as u64) as f64,
+            noise_of_one: f64::INFINITY,
+            scene,
         };
-        let blocks: Vec<(Tally, Option<Arc<FiberGrid>>)> =
+        let all = walks(pilot.tests_a_walk, pilot.pieces as f64 * BLOCKS as f64);
+        pilot.add(all, Some(first))?;
+        Ok(pilot)
+    }
+
+    /// Make a further round of so many walks, all directions and blocks together, through further realizations.
+    ///
+    /// # Errors
+    /// Those of [`Pilot::new`].
+    pub fn grow(&mut self, walks: f64) -> Result<()> {
+        self.add(walks, None)
+    }
+
+    fn add(&mut self, walks: f64, drawn: Option<Arc<FiberGrid>>) -> Result<()> {
+        let starts = self.goniometer.starts() as f64;
+        let walks = ((walks / (BLOCKS as f64 * starts)) as u64).clamp(FIRST, MOST);
+        let first = self.rounds.last().map_or(FIRST, |round| round.first + round.walks);
+        let round = self.rounds.len() as u64;
+        let rays =
+            (self.scene.model.first_hit == FirstHit::Fibers).then(|| StraightRays::new(&self.scene, &self.goniometer));
+        let block = |number: u64| {
+            let realization = round * BLOCKS + number;
+            let grid = match &drawn {
+                Some(grid) if realization == 0 => grid.clone(),
+                _ => Arc::new(FiberGrid::of(&self.realizer.draw(realization)?)?),
+            };
+            let plan = WalkPlan { first: number * OF_BLOCK + first, ..WalkPlan::new(!self.seed, walks) };
+            let tally = Explicit::of_one(&self.scene, grid.clone()).run(&self.goniometer, &plan, &mut |_| {})?;
+            Ok((tally, rays.as_ref().map(|rays| Arc::new(rays.of_one(realization, &grid, walks as usize)))))
+        };
+        let blocks: Vec<(Tally, Option<Arc<FirstHits>>)> =
             (0..BLOCKS).into_par_iter().map(block).collect::<Result<_>>()?;
-        let (fibers, own): (Vec<Tally>, Vec<Option<Arc<FiberGrid>>>) = blocks.into_iter().unzip();
-        let noise_of_one = block_noise(&fibers)?.value * ((of_block * BLOCKS) as f64).sqrt();
-        let realizations = own.into_iter().flatten().collect();
-        Ok(Pilot { scene, goniometer, realizations, fibers, tests_a_walk, pieces, noise_of_one })
+        let (tallies, first_hits): (Vec<Tally>, Vec<Option<Arc<FirstHits>>>) = blocks.into_iter().unzip();
+        join(&mut self.fibers, tallies)?;
+        self.rounds.push(Round { first, walks, first_hits: first_hits.into_iter().flatten().collect() });
+        self.noise_of_one = block_noise(&self.fibers)?.value * (self.of_direction() as f64).sqrt();
+        Ok(())
+    }
+
+    /// Exit cells of each side.
+    pub fn exit_cells(&self) -> f64 {
+        self.goniometer.exit.cells() as f64
     }
 
     /// Walks of each direction in all blocks.
-    pub fn walks(&self) -> u64 {
-        self.fibers.iter().map(|block| block.walks_per_incident()).sum()
+    pub fn of_direction(&self) -> u64 {
+        self.fibers.iter().map(Tally::walks_per_incident).sum()
     }
 
-    /// Walk through a medium as often as through the fibers: its distance from them, and the tentative events of a walk.
+    /// Walks of all directions.
+    pub fn walks(&self) -> f64 {
+        (self.of_direction() * self.goniometer.starts() as u64) as f64
+    }
+
+    /// How many more walks, all directions together, it may have at most.
+    pub fn room(&self) -> f64 {
+        (MOST_IN_ALL - self.walks()).max(0.0)
+    }
+
+    /// Realizations that were drawn.
+    pub fn realizations(&self) -> f64 {
+        (self.rounds.len() as u64 * BLOCKS) as f64
+    }
+
+    /// Walk through a medium as often as through the fibers, on from the walks that are there, and hold both against each other.
     ///
     /// # Errors
     /// Those of [`Engine::run`].
-    pub fn try_medium(&self, tables: &SamplingTables, engine: &dyn Engine, seed: u64) -> Result<(Distance, f64)> {
-        let rays = StraightRays::new(&self.scene, &self.goniometer);
-        let walks = self.fibers[0].walks_per_incident();
-        let of_one = |(number, grid): (usize, &Arc<FiberGrid>)| rays.of_one(number as u64, grid, walks as usize);
-        let first_hits: Vec<Arc<FirstHits>> =
-            self.realizations.par_iter().enumerate().map(of_one).map(Arc::new).collect();
-        let mut blocks = Vec::new();
-        for number in 0..BLOCKS {
-            let first_hits = first_hits.get(number as usize).cloned();
-            let plan = WalkPlan { first: number * OF_BLOCK, first_hits, ..WalkPlan::new(seed, walks) };
-            blocks.push(engine.run(tables, &self.goniometer, &plan, &mut |_| {})?);
+    pub fn hold(&self, beside: &mut Beside, tables: &SamplingTables, engine: &dyn Engine) -> Result<Verdict> {
+        for Round { first, walks, first_hits } in &self.rounds[beside.rounds..] {
+            let block = |number: u64| {
+                let first_hits = first_hits.get(number as usize).cloned();
+                let first = number * OF_BLOCK + BESIDE * first;
+                let plan = WalkPlan { first, first_hits, ..WalkPlan::new(self.seed, BESIDE * walks) };
+                engine.run(tables, &self.goniometer, &plan, &mut |_| {})
+            };
+            join(&mut beside.blocks, (0..BLOCKS).map(block).collect::<Result<_>>()?)?;
         }
-        let made = blocks.iter().map(|block| block.counts.launched).sum::<u64>() as f64;
-        let events = blocks.iter().map(|block| block.counts.tentative_events).sum::<u64>() as f64;
-        Ok((distance(&blocks, &self.fibers)?, events / made))
+        beside.rounds = self.rounds.len();
+        Verdict::new(&beside.blocks, &self.fibers)
     }
+}
+
+/// Add the walks of further blocks to those that are there.
+fn join(blocks: &mut Vec<Tally>, more: Vec<Tally>) -> Result<()> {
+    if blocks.is_empty() {
+        *blocks = more;
+        return Ok(());
+    }
+    blocks.iter_mut().zip(&more).try_for_each(|(block, more)| block.merge(more))
 }

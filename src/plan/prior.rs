@@ -88,11 +88,16 @@ impl Belief {
         let Belief { mean, variance, covariance, power } = self;
         // What the found square tells of each part.
         let told = [variance[0] + growth * covariance, covariance + growth * variance[1]];
-        let whole = told[0] + growth * told[1] + error * error;
+        let miss = square - mean[0] - growth * mean[1];
+        let own = told[0] + growth * told[1];
+        // A belief that what was found contradicts is worth as little as that makes it.
+        let wider = if own > 0.0 { ((miss * miss - error * error) / own).max(1.0) } else { 1.0 };
+        let (variance, covariance, told) =
+            (variance.map(|part| wider * part), wider * covariance, told.map(|told| wider * told));
+        let whole = wider * own + error * error;
         if whole <= 0.0 {
             return self;
         }
-        let miss = square - mean[0] - growth * mean[1];
         let gain = told.map(|told| told / whole);
         Belief {
             mean: [0, 1].map(|part| (mean[part] + gain[part] * miss).max(0.0)),

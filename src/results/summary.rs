@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// The text of `summary.json`, keys sorted.
 pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
-    let Measurement { goniometer, tally, seconds, clustering, against, plan, budget, grounds } = measurement;
+    let Measurement { goniometer, tally, seconds, clustering, against, plan, budget, promise, grounds } = measurement;
     let channels = |of: &dyn Fn(usize) -> Totals| -> Vec<(String, Totals)> {
         let names = scene.channels.names.iter().cloned().enumerate();
         names.map(|(channel, name)| (name, of(channel))).collect()
@@ -55,8 +55,8 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
         "sides": sides,
     });
     if let Some(against) = against {
-        let names = ["reflectance", "transmittance", "direct"];
-        let of = |shares: [Estimate; 3]| -> serde_json::Map<_, _> {
+        let names = ["reflectance", "transmittance", "direct", "absorptance"];
+        let of = |shares: [Estimate; 4]| -> serde_json::Map<_, _> {
             names.iter().zip(shares).map(|(name, share)| ((*name).to_owned(), json!(share))).collect()
         };
         value["checks"]["fibers"] = json!({
@@ -64,6 +64,8 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
             "channel": scene.channels.names[against.channel],
             "fibers": of(against.fibers),
             "medium": of(against.medium),
+            "model_error": against.light.estimate(),
+            "interval": against.verdict().interval(),
         });
     }
     if let Some(grounds) = grounds {
@@ -71,6 +73,9 @@ pub fn summary(scene: &Scene, measurement: &Measurement) -> String {
     }
     if let Some(budget) = budget {
         value["budget"] = budget.clone();
+    }
+    if let Some(promise) = promise {
+        value["promise"] = json!(promise);
     }
     if let Some(plan) = plan {
         value["plan"] = plan.clone();

@@ -21,6 +21,7 @@ mod placements;
 mod plan;
 mod planner;
 mod primitives;
+mod promise;
 mod shaders_valid;
 mod sides;
 mod stability;

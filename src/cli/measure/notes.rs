@@ -1,7 +1,7 @@
 //! What is going to be measured, and how.
 
 use super::super::show::{estimate, grouped};
-use fiberwalk::bsdf::Estimate;
+use fiberwalk::bsdf::{Distance, Estimate, Share};
 use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
@@ -140,25 +140,36 @@ pub fn of_clustering(clustering: Option<&Clustering>) -> String {
 
 /// Where light goes through the fibers, and how far the medium is from that.
 pub fn of_fibers_and_medium(scene: &Scene, against: &AgainstFibers) -> String {
-    let names = ["reflected", "transmitted", "direct"];
     let channel = match scene.channels.names.len() {
         1 => String::new(),
         _ => format!(" in {}", scene.channels.names[against.channel]),
     };
-    let part = |i: usize| format!("{} {}", estimate(against.fibers[i]), names[i]);
+    let each = || (0..).zip(Share::ALL);
     let differences = against.differences();
-    let off = |i: usize| format!("{:+.1} ± {:.1}", 100.0 * differences[i].value, 100.0 * differences[i].stderr);
+    let found: Vec<String> =
+        each().map(|(i, share)| format!("{} {}", estimate(against.fibers[i]), share.name())).collect();
+    let off: Vec<String> = differences
+        .iter()
+        .map(|Estimate { value, stderr }| format!("{:+.1} ± {:.1}", 100.0 * value, 100.0 * stderr))
+        .collect();
+    let [low, high] = against.verdict().interval().map(|end| 100.0 * end);
     let mut text = format!(
-        "{} walks through the fibers themselves{channel}: {}; the medium is off by {} % of the light\n",
+        "{} walks through the fibers themselves{channel}: {}; the medium is off by {} % of the light, and by {:.1} % ({low:.1} to \
+         {high:.1}) of the scattered light\n",
         grouped(against.walks),
-        [0, 1, 2].map(part).join(", "),
-        [0, 1, 2].map(off).join(", "),
+        found.join(", "),
+        off.join(", "),
+        100.0 * against.light.error(),
     );
     let wrong = |i: usize| {
         let Estimate { value, stderr } = differences[i];
         value.abs() > SURELY * stderr && value.abs() > NOTABLE * against.fibers[i].value
     };
-    let wrong: Vec<&str> = (0..3).filter(|i| wrong(*i)).map(|i| names[i]).collect();
+    let mut wrong: Vec<String> = each().filter(|(i, _)| wrong(*i)).map(|(_, share)| share.name().to_owned()).collect();
+    let Distance { square, square_error } = against.light;
+    if square > SURELY * square_error && against.light.error() > NOTABLE {
+        wrong.push("the distribution of scattered".into());
+    }
     if !wrong.is_empty() {
         let usual = scene.model.usual_placement();
         let cells = (!matches!(scene.structure, Structure::Sheet(_))).then(|| "finer cells".to_owned());

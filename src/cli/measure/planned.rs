@@ -1,11 +1,13 @@
 //! The model that a planner chooses.
 
+use super::super::one_line;
 use super::super::show::budget_lines;
 use super::{Arguments, Choice};
-use fiberwalk::Result;
-use fiberwalk::measure::{ChosenEngine, Measurement, Prepared, Stop};
+use fiberwalk::bsdf::noise;
+use fiberwalk::measure::{AgainstFibers, ChosenEngine, Measurement, Prepared, Promise, Stop};
 use fiberwalk::plan::{Budget, Configuration, EngineClass, Extent, Plan, plan};
 use fiberwalk::scene::{Medium, Scene};
+use fiberwalk::{Error, Result};
 
 /// Walks of all directions in each of the blocks of a budget.
 const OF_BUDGET: u64 = 1 << 17;
@@ -28,6 +30,26 @@ impl Ready {
     /// Nothing but the rule.
     pub fn new(stop: Stop) -> Ready {
         Ready { stop, plan: None, told: Vec::new(), prepared: None, engine: None }
+    }
+}
+
+/// Whether a measurement kept what was planned.
+pub fn promise(plan: &Plan, measurement: &Measurement) -> Promise {
+    let fibers = plan.configuration().model.medium == Medium::Explicit;
+    let pilots = if fibers { Some([0.0; 2]) } else { plan.interval };
+    let verdict = measurement.against.as_ref().map(AgainstFibers::verdict);
+    Promise::of(plan.tolerance, noise(&measurement.tally), pilots, verdict.as_ref())
+}
+
+/// Say where a promise was not kept; an error if the user is `strict` about it.
+pub fn tell_promise(promise: Option<&Promise>, strict: bool) -> Result<()> {
+    match promise.and_then(Promise::line) {
+        Some(line) if strict => Err(Error::Failed(line)),
+        Some(line) => {
+            eprintln!("{}", one_line(&format!("warning: {line}")));
+            Ok(())
+        }
+        None => Ok(()),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::bsdf::{Kept, Verdict};
 use serde::Serialize;
 
-/// Noise may stand so much above what was planned for: a run that scatters nothing ends by its walks.
+/// Rounding that is no breach.
 const SLACK: f64 = 1e-9;
 
 /// A tolerance, what was measured of it, and whether it was kept.
@@ -20,7 +20,7 @@ pub struct Promise {
 /// What was measured of a promise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// Noise of the scattered light.
+    /// Noise of the scattered light; 0 where there is none.
     pub noise: f64,
     /// Ends of the interval of the model's error at the level of 95 %, by pilots on this cloth: 0 and 0 of the fibers themselves;
     /// none where no pilot was made.
@@ -33,6 +33,11 @@ impl Promise {
     /// Of a run with this noise: through the fibers themselves (`pilots` are 0), or through a medium that pilots gave this interval of
     /// its error and that the check at the end gave this verdict.
     pub fn of(tolerance: f64, noise: f64, pilots: Option<[f64; 2]>, check: Option<&Verdict>) -> Promise {
+        if noise.is_infinite() {
+            // Nothing was scattered of which anything could be off.
+            let measured = Measured { noise: 0.0, pilots, check: None };
+            return Promise { tolerance, measured, kept: Some(true) };
+        }
         let quiet = noise <= tolerance * (1.0 + SLACK);
         let checked = check.map(|verdict| verdict.kept(tolerance));
         let told = match (pilots, checked) {
@@ -89,6 +94,7 @@ mod tests {
         assert_eq!((kept(0.03, Some([0.02, 0.06]), Some(&blunt)), kept(0.03, None, None)), (None, None));
         // Through the fibers themselves only noise counts.
         assert_eq!((kept(0.05, Some([0.0; 2]), None), kept(0.051, Some([0.0; 2]), None)), (Some(true), Some(false)));
+        assert_eq!(kept(f64::INFINITY, None, None), Some(true));
         let line = Promise::of(0.05, 0.03, None, Some(&bad)).line().unwrap_or_default();
         assert!(line.starts_with("the tolerance of 5 % was not kept: noise 3.00 %"), "{line}");
         assert!(Promise::of(0.05, 0.03, None, Some(&good)).line().is_none());

@@ -218,7 +218,7 @@ fn a_run_stops_at_its_tolerance_and_when_nothing_scatters() {
     let folder = tempfile::tempdir().expect("a folder");
     let (output, summary) = measure(folder.path(), &["nonwoven", "--tolerance", "20%"]);
     assert!(
-        text(&output.stderr).contains("for a tolerance of 20.000 %")
+        text(&output.stderr).contains("for a tolerance of 20 %")
             && text(&output.stderr).contains("stop: at a noise of 18."),
         "{}",
         text(&output.stderr)

@@ -153,13 +153,13 @@ fn settings_of_the_instrument_are_checked_in_file_and_flags() {
 
 #[test]
 fn a_table_too_large_is_refused_and_a_large_one_works() {
-    let most = "4096 incident cells with 65536 exit cells on each side take about 12801 MiB of memory, allowed: 4096 MiB; \
+    let most = "4096 incident cells with 65536 exit cells on each side take about 12289 MiB of memory, allowed: 4096 MiB; \
                 lower `incident` or `exit`";
     refuse_arguments(2, &[(&["--incident", "64", "--exit", "256"], most)]);
     let wavelengths: Vec<u32> = (400..528).collect();
     let place = spectral("s.csv", &format!("[measure]\nwavelengths_nm = {wavelengths:?}\n"));
     place.write("s.csv", SPECTRUM);
-    let most = "1024 incident cells with 1024 exit cells on each side and 128 channels take about 10792 MiB of memory, allowed: 4096 MiB; \
+    let most = "1024 incident cells with 1024 exit cells on each side and 128 channels take about 10280 MiB of memory, allowed: 4096 MiB; \
                 lower `incident` or `exit` or take fewer wavelengths";
     refuse(&place, &["measure", "cloth.toml", "--incident", "32", "--exit", "32"], 2, most);
     let fine = [&["measure", "nonwoven", "--incident", "64", "--exit", "8", "--quiet"], &FEW[..]].concat();

@@ -17,8 +17,8 @@ pub use fibers::AgainstFibers;
 pub use figures::{Figures, standard_rate};
 pub use promise::{Measured, Promise};
 pub use run::{
-    MAX_WALKS, Measurement, Prepared, Progress, Seconds, memory, peak_bytes, prepare, prepare_explicit, prepare_from,
-    prepare_with, run,
+    MAX_WALKS, Measurement, Prepared, Progress, Seconds, check_results, memory, peak_bytes, prepare, prepare_explicit,
+    prepare_from, prepare_with, run,
 };
 pub use self_test::{SelfTest, self_test};
 pub use stop::Stop;

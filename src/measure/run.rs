@@ -190,10 +190,19 @@ pub fn prepare_from(scene: &Scene, realizer: Option<&Realizer>, progress: impl F
 /// # Errors
 /// Those of [`Explicit::new`]; [`Error::Input`] when the run would not fit into memory.
 pub fn prepare_explicit(scene: &Scene) -> Result<(Explicit, Goniometer)> {
+    let goniometer = check_results(scene)?;
+    Ok((Explicit::new(scene)?, goniometer))
+}
+
+/// The instrument of a scene, whose results fit into memory whatever light goes through.
+///
+/// # Errors
+/// [`Error::Input`] when they do not.
+pub fn check_results(scene: &Scene) -> Result<Goniometer> {
     let goniometer = Goniometer::new(&scene.measure);
     let channels = Kind::channels(&Kind::of_scene(scene));
     check_memory(result_memory(channels, &goniometer), channels.unwrap_or(1), &goniometer)?;
-    Ok((Explicit::new(scene)?, goniometer))
+    Ok(goniometer)
 }
 
 /// Refuse a run that takes too much memory.

@@ -10,7 +10,7 @@ use crate::bsdf::{Distance, Estimate, Kept, Verdict};
 use crate::cloth::{DrawnFor, Realizer};
 use crate::error::Result;
 use crate::goniometer::Goniometer;
-use crate::measure::{Prepared, prepare_from};
+use crate::measure::{Prepared, check_results, prepare_from};
 use crate::scene::{Medium, Packing, Scene, Structure};
 use crate::walk::Engine;
 use std::time::Instant;
@@ -64,7 +64,7 @@ pub fn candidates(scene: &Scene, extent: &Extent) -> Vec<Configuration> {
 /// and not given back. Costs are events by the time that one took once, so the plan does not depend on the clock.
 ///
 /// # Errors
-/// Those of [`Pilot::new`] and of its walks; without `fibers` those of [`prepare_from`] where the cloth has none of the media.
+/// Those of [`check_results`], of [`Pilot::new`] and of its walks; without `fibers` those of [`prepare_from`] where the cloth has none of the media.
 pub fn plan(
     scene: &Scene,
     extent: &Extent,
@@ -81,7 +81,7 @@ pub fn plan(
     let walks = |tests: f64, pieces: f64| (PILOT - piece * pieces).max(LEAST_WALKING * PILOT) / (tests * test);
     let mut planner = Planner {
         scene,
-        goniometer: Goniometer::new(&scene.measure),
+        goniometer: check_results(scene)?,
         extent,
         tolerance,
         fibers,

@@ -79,7 +79,7 @@ fn equal_cells_of_another_density_are_another_sheet() {
 fn layers(sheet: &Cloth, share: f64) -> CellCloth {
     let densities = [0.0, 1.6, 0.0, 0.0, 0.8, 4.0, 0.0, 1.6, 0.0, 0.0];
     let base = Cloth { thickness_um: 1.25 * sheet.thickness_um, ..sheet.clone() };
-    CellCloth::new(base, [3, 2, 10], [8.0, 3.0], |[_, _, iz]| share * densities[iz as usize])
+    CellCloth::new(base, [3, 2, 10], [0.8, 0.3], |[_, _, iz]| share * densities[iz as usize])
 }
 
 #[test]

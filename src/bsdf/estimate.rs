@@ -70,7 +70,7 @@ impl Source {
     pub fn new(tally: &Tally, start: usize, walks: u64) -> Source {
         match straight(tally, start, walks) {
             None => Source { walks, share: Estimate { value: 1.0, stderr: 0.0 } },
-            Some(Straight { value, stderr }) => {
+            Some(Straight { value, stderr, .. }) => {
                 Source { walks: walks - tally.direct(start), share: Estimate { value: 1.0 - value, stderr } }
             }
         }
@@ -78,7 +78,7 @@ impl Source {
 }
 
 /// What straight rays say of a start; where no walk met a fiber, none says where the rest goes, and the walks say all.
-fn straight(tally: &Tally, start: usize, walks: u64) -> Option<Straight> {
+pub(super) fn straight(tally: &Tally, start: usize, walks: u64) -> Option<Straight> {
     let straight = tally.straight.as_ref().map(|straight| straight[start]);
     straight.filter(|_| tally.direct(start) < walks)
 }
@@ -88,7 +88,7 @@ pub fn direct(tally: &Tally, start: usize) -> Estimate {
     let walks = tally.walks_per_incident();
     match straight(tally, start, walks) {
         None => probability(tally.direct(start), walks),
-        Some(Straight { value, stderr }) => Estimate { value, stderr },
+        Some(Straight { value, stderr, .. }) => Estimate { value, stderr },
     }
 }
 
@@ -167,7 +167,7 @@ mod tests {
         tally.coverage = crate::goniometer::Coverage::new(origin, 0..100);
         tally.bins = vec![30, 0, 10, 0, 60, 0, 0];
         let plain = noise(&tally);
-        tally.straight = Some(vec![Straight { value: 0.5, stderr: 0.1 }]);
+        tally.straight = Some(vec![Straight { value: 0.5, stderr: 0.1, with_mean: 0.01 }]);
         // 30 of 40 walks that met a fiber, of half of the light.
         let Estimate { value, stderr } = share(&tally, 0, 100, tally.light(0, 0, 0));
         let inside = (0.75f64 * 0.25 / 39.0).sqrt();

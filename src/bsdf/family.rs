@@ -180,15 +180,22 @@ impl<'a> Family<'a> {
         let n = starts.len() as f64;
         [0, 1].map(|i| {
             let (tally, effect) = (self.tallies[i], self.effects[i].of_pool(pool).sqrt());
-            let straight = pool.outgoing == Outgoing::Direct && tally.straight.is_some();
+            let straight = tally.straight.as_ref().filter(|_| pool.outgoing == Outgoing::Direct);
             let each = starts.clone().map(|start| self.share(tally, start, pool.outgoing, channel));
-            let (mut value, mut sum, mut square) = (0.0, 0.0, 0.0);
+            let (mut value, mut square) = (0.0, 0.0);
             for share in each {
                 value += share.value;
-                sum += share.stderr;
                 square += share.stderr * share.stderr;
             }
-            Estimate { value: value / n, stderr: if straight { sum } else { square.sqrt() * effect } / n }
+            let stderr = match (straight, pool.incoming) {
+                (Some(rays), Incoming::Side(_)) => {
+                    let shared = starts.clone().map(|start| rays[start].with_mean).sum::<f64>();
+                    (shared.max(0.0) / n).sqrt()
+                }
+                (Some(_), Incoming::Start(_)) => square.sqrt(),
+                (None, _) => square.sqrt() * effect / n,
+            };
+            Estimate { value: value / n, stderr }
         })
     }
 

@@ -176,13 +176,33 @@ impl StraightRays {
         let (untouched, each) = (self.untouched(), self.of_start());
         let n = untouched.len() as f64;
         (untouched.len() > 1).then(|| {
+            let cells = self.goniometer.incident_cells();
+            let side = |start: usize| start / cells * cells..(start / cells + 1) * cells;
+            let mean = |start: usize| untouched.values().map(|shares| shares[start]).sum::<f64>() / n;
+            let means: Vec<f64> = (0..self.goniometer.starts()).map(mean).collect();
+            // By realization and lit side: how far the mean over all starts is off.
+            let off = |shares: &[f64], start: usize| {
+                side(start).map(|start| self.goniometer.weight(start) * (shares[start] - means[start])).sum::<f64>()
+            };
+            let sides = |shares: &Vec<f64>| {
+                (0..self.goniometer.starts()).step_by(cells).map(|start| off(shares, start)).collect()
+            };
+            let off: Vec<Vec<f64>> = untouched.values().map(sides).collect();
             let of = |start: usize| {
-                let shares: Vec<f64> = untouched.values().map(|shares| shares[start]).collect();
-                let mean = shares.iter().sum::<f64>() / n;
-                let square: f64 = shares.iter().map(|share| (share - mean).powi(2)).sum();
+                let own = || untouched.values().map(|shares| shares[start] - means[start]);
+                let square: f64 = own().map(|own| own * own).sum();
+                let shared: f64 = own().zip(&off).map(|(own, off)| own * off[start / cells]).sum();
                 // Where all or none of the rays were stopped, the error is that of one of them.
                 let least = 1.0 / (n * each as f64);
-                Straight { value: mean, stderr: (square / n / (n - 1.0)).sqrt().max(least) }
+                let (stderr, with_mean) = ((square / n / (n - 1.0)).sqrt(), shared / n / (n - 1.0));
+                match stderr < least {
+                    true => Straight {
+                        value: means[start],
+                        stderr: least,
+                        with_mean: self.goniometer.weight(start) * least * least,
+                    },
+                    false => Straight { value: means[start], stderr, with_mean },
+                }
             };
             (0..self.goniometer.starts()).map(of).collect()
         })

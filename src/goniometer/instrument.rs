@@ -4,6 +4,7 @@ use super::basis::Basis;
 use super::tally::{BinLayout, Outcome};
 use crate::scene::{Incident, Measure, Side};
 use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
 
 /// The incident basis.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +58,15 @@ impl Goniometer {
         match &self.incidence {
             Incidence::Cells(basis) => Some(basis),
             Incidence::Listed(_) => None,
+        }
+    }
+
+    /// The part that a start has in the mean over its lit side: its projected solid angle over π, of listed directions an equal one.
+    pub fn weight(&self, start: usize) -> f64 {
+        let cell = start % self.incident_cells();
+        match &self.incidence {
+            Incidence::Cells(basis) => basis.projected_solid_angle(cell) / PI,
+            Incidence::Listed(directions) => 1.0 / directions.len() as f64,
         }
     }
 

@@ -108,6 +108,9 @@ pub struct Straight {
     pub value: f64,
     /// Its standard deviation.
     pub stderr: f64,
+    /// Covariance with the mean over all starts of its lit side, by [`Goniometer::weight`](super::Goniometer::weight): rays of all
+    /// starts go through the same fibers.
+    pub with_mean: f64,
 }
 
 /// Walks by start (side and incident cell) and exit.

@@ -211,7 +211,7 @@ fn straight_light_is_honoured() {
     // Rays say alike how much light meets fibers; what walks say of that is left out.
     let closed = Source { closed: 0.2, ..EQUAL };
     let lit = |source: Source, seed| -> Vec<Tally> {
-        let straight = Some(vec![Straight { value: 0.2, stderr: 0.01 }; 2]);
+        let straight = Some(vec![Straight { value: 0.2, stderr: 0.01, with_mean: 1e-4 }; 2]);
         source.blocks(seed).into_iter().map(|block| Tally { straight: straight.clone(), ..block }).collect()
     };
     let pair = |seed| distance(&lit(closed, 2 * seed), &lit(EQUAL, 2 * seed + 1)).expect("blocks are alike");

@@ -9,6 +9,7 @@ mod calculator_light;
 mod cell_functions;
 mod clustered;
 mod compare;
+mod direct;
 mod distance;
 mod explicit;
 mod first_hits;

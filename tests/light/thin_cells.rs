@@ -62,7 +62,7 @@ impl Source {
                 }
             }
         }
-        tally.straight = Some(vec![Straight { value: DIRECT, stderr: 0.001 }; starts]);
+        tally.straight = Some(vec![Straight { value: DIRECT, stderr: 0.001, with_mean: 1e-6 }; starts]);
         tally.coverage = Coverage::new(origin, 0..walks);
         let all = walks * starts as u64;
         tally.counts = Counts { launched: all, finished: all, ..Counts::default() };

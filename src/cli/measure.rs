@@ -40,6 +40,11 @@ pub struct Arguments {
     /// Stop when the walks have taken so long, such as 60s
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, group = "stop")]
     time: Option<Duration>,
+    /// Go by the plan of this result, which has its model, its noise and its engine, and make no pilots: with the same seed and bases the files
+    /// are the same
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["walks", "tolerance", "time", "model", "packing", "tracking", "placement",
+        "direct", "first_hit", "memory", "cells", "directions", "cone"])]
+    plan: Option<PathBuf>,
     /// What makes the walks; auto takes a graphics processor, or the fastest of software adapters and the processor
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     engine: Choice,
@@ -164,8 +169,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = arguments.apply(Scene::parse(&source)?)?;
     let folder = arguments.folder(&source, Goniometer::new(&scene.measure).starts() as u64)?;
     let mut ready = Ready::new(arguments.stop());
-    if arguments.model.is_none() && !scene.model.chosen {
-        ready = arguments.plan(&mut scene, ready)?;
+    if let Some(folder) = &arguments.plan {
+        ready = arguments.replay(&mut scene, folder)?;
+    } else if arguments.model.is_none() && !scene.model.chosen {
+        ready = arguments.make_plan(&mut scene, ready)?;
     }
     let plan = ready.plan.take();
     if arguments.strict && plan.is_none() {
@@ -177,8 +184,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Medium::Implicit => arguments.through_medium(&mut scene, &source, ready, started)?,
         Medium::Explicit => arguments.through_fibers(&scene, &source, ready, started)?,
     };
-    measurement.promise = plan.as_ref().map(|plan| planned::promise(plan, &measurement));
-    measurement.plan = plan.map(|plan| plan.summary());
+    measurement.promise = plan.as_ref().map(|plan| plan.promise(&measurement));
+    measurement.plan = plan.map(|plan| plan.summary);
     let mut budget = String::new();
     if arguments.budget {
         budget = arguments.add_budget(&scene, &mut measurement)?;

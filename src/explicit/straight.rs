@@ -165,9 +165,9 @@ impl StraightRays {
         rays
     }
 
-    /// So many rays of each start through one realization.
-    pub fn of_one(&self, number: u64, grid: &FiberGrid, of_start: usize) -> FirstHits {
-        FirstHits { of_start, rays: self.through(number, grid, of_start) }
+    /// So many rays of each start through one realization, start by start.
+    pub fn of_one(&self, number: u64, grid: &FiberGrid, of_start: usize) -> Vec<FirstHit> {
+        self.through(number, grid, of_start)
     }
 
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
@@ -213,20 +213,8 @@ impl StraightRays {
     pub fn into_banks(self, realizer: Option<Realizer>) -> Banks {
         let seen: Vec<Vec<FirstHit>> = std::mem::take(&mut *self.seen()).into_values().collect();
         let of_bank = if realizer.is_some() { REALIZATIONS as usize } else { seen.len().max(1) };
-        let shown = seen.chunks(of_bank).map(|some| Arc::new(self.interleaved(some))).collect();
+        let shown = seen.chunks(of_bank).map(|some| Arc::new(FirstHits::by_turns(self.of_start(), some))).collect();
         Banks { rays: self, realizer, shown, last: Mutex::new(None) }
-    }
-
-    /// The rays of a bank start by start, those of its realizations by turns: the first few come from many of them.
-    fn interleaved(&self, realizations: &[Vec<FirstHit>]) -> FirstHits {
-        let each = self.of_start();
-        let of_start = each * realizations.len();
-        let mut rays = Vec::with_capacity(of_start * self.goniometer.starts());
-        for start in 0..self.goniometer.starts() {
-            let turns = (0..each).flat_map(|ray| realizations.iter().map(move |own| own[start * each + ray]));
-            rays.extend(turns);
-        }
-        FirstHits { of_start, rays }
     }
 
     fn untouched(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<f64>>> {
@@ -287,7 +275,7 @@ impl FirstHitBanks for Banks {
         };
         let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
         let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
-        let bank = Arc::new(self.rays.interleaved(&drawn));
+        let bank = Arc::new(FirstHits::by_turns(self.rays.of_start(), &drawn));
         *last = Some((number, bank.clone()));
         Ok(bank)
     }

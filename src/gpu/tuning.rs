@@ -5,6 +5,9 @@ use super::adapter::Kind;
 /// A warm-up dispatch that takes this many seconds has told enough.
 pub const TELLING: f64 = 0.01;
 
+/// Passes of a run for which a warm-up pays, over those of its first dispatch: it compiles once more.
+const LONG: f64 = 16.0;
+
 /// Bounds of a device kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
@@ -56,7 +59,7 @@ impl Tuning {
 
     /// Whether a run is long enough for a warm-up, by a guess at its passes.
     pub fn pays(&self, walks: u64, depth: f64) -> bool {
-        walks as f64 * (1.0 + 2.0 * depth) > 4.0 * f64::from(self.warm_up_lanes) * f64::from(self.budget)
+        walks as f64 * (1.0 + 2.0 * depth) > LONG * f64::from(self.warm_up_lanes) * f64::from(self.budget)
     }
 
     /// Choose by the measured seconds of one pass of one lane: the longest budget that fits with the fewest lanes, then

@@ -6,6 +6,12 @@ use std::time::{Duration, Instant};
 
 /// Walks of each cell before the first decision.
 const FIRST: u64 = 4096;
+/// Later decisions on a tolerance fall at multiples of this.
+const EVEN: u64 = 256;
+/// Walks that are made at once, over those that noise as it is asks for: its own error leaves few runs short of them.
+const ENOUGH: f64 = 1.01;
+/// The least part of the walks there are that are made before the next decision.
+const LEAST: f64 = 1.0 / 32.0;
 /// Walks of each cell after which a cloth that has scattered so small a share of them counts as one that scatters nothing.
 const NOTHING: u64 = 1 << 18;
 const HARDLY: f64 = 1e-5;
@@ -24,15 +30,21 @@ pub enum Stop {
 impl Stop {
     /// The number of walks of each cell at which to decide next, after `made` of them; none when it is enough.
     ///
-    /// Decisions fall at 4096·{2ʲ, 3·2ʲ⁻¹} walks, so that the result depends on the tally alone and not on the clock,
-    /// but for [`Stop::Time`].
+    /// Decisions fall at 4096·{2ʲ, 3·2ʲ⁻¹} walks, those on a tolerance where the noise of the walks so far says that there are
+    /// enough if that is sooner, so that the result depends on the tally alone and not on the clock, but for [`Stop::Time`].
     pub fn next(&self, tally: &Tally, made: u64, begun: Instant, most: u64) -> Option<u64> {
-        let enough = match self {
+        let (enough, wanted) = match self {
             Stop::Walks(walks) => return (made < *walks).then_some(*walks),
-            Stop::Tolerance(tolerance) => noise(tally) <= *tolerance || (made >= NOTHING && scattered(tally) < HARDLY),
-            Stop::Time(time) => made > 0 && begun.elapsed() >= *time,
+            Stop::Tolerance(tolerance) => {
+                let noise = noise(tally);
+                let wanted = ENOUGH * made as f64 * (noise / tolerance).powi(2);
+                let wanted = wanted.max((1.0 + LEAST) * made as f64).min((u64::MAX / 2) as f64) as u64;
+                (noise <= *tolerance || (made >= NOTHING && scattered(tally) < HARDLY), wanted.next_multiple_of(EVEN))
+            }
+            Stop::Time(time) => (made > 0 && begun.elapsed() >= *time, u64::MAX),
         };
-        (!enough && made < most).then(|| step_after(made).min(most))
+        let wanted = if made == 0 { u64::MAX } else { wanted };
+        (!enough && made < most).then(|| step_after(made).min(wanted).min(most))
     }
 
     /// Walks of each cell that the whole run will take, as far as can be told after `made` of them.
@@ -91,6 +103,9 @@ mod tests {
         // Half of 4096 walks: noise 1/√4095 = 1.6 %.
         tally.bins = vec![2048, 0, 2048, 0, 0];
         assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 1 << 30), Some(6144));
+        // 1.2 times the walks are enough, or nearly enough.
+        assert_eq!(Stop::Tolerance(0.0143).next(&tally, 4096, now, 1 << 30), Some(5120));
+        assert_eq!(Stop::Tolerance(0.0156).next(&tally, 4096, now, 1 << 30), Some(4352));
         assert_eq!(Stop::Tolerance(0.02).next(&tally, 4096, now, 1 << 30), None);
         assert_eq!(Stop::Tolerance(0.01).next(&tally, 4096, now, 5000), Some(5000));
         assert_eq!(Stop::Time(Duration::ZERO).next(&tally, 4096, now, 1 << 30), None);

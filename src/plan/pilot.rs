@@ -6,20 +6,22 @@ use crate::cloth::{DrawnFor, FiberGrid, Realizer};
 use crate::error::Result;
 use crate::explicit::{Explicit, StraightRays};
 use crate::goniometer::{Goniometer, Tally};
-use crate::scene::{BasisChoice, FirstHit, Incident, Scene};
+use crate::scene::{self, BasisChoice, Incident, Scene};
 use crate::tables::SamplingTables;
-use crate::walk::{Engine, FirstHits, WalkPlan, Walker};
+use crate::walk::{Engine, FirstHit, FirstHits, WalkPlan, Walker};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Directions of light (θ, φ) in degrees of a pilot in place of a basis, none in a plane in which yarns lie.
-const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
+/// Directions of light (θ, φ) in degrees of a pilot in place of a basis: in the middle of quarters of the hemisphere by projected
+/// solid angle, and in no plane in which yarns lie.
+const DIRECTIONS: &str = "[[21, 35], [38, 168], [52, 235], [69, 282]]";
 /// Longest list of directions that a pilot takes as it is.
 const MOST_DIRECTIONS: usize = 8;
-/// Cells along an edge of its exit disc; a run that has fewer exit cells has those of its own.
-const EXIT: u32 = 6;
+/// Cells along an edge of its exit disc, as many as it takes for E to be that of finer ones; a run that has fewer exit cells has those
+/// of its own.
+const EXIT: u32 = 12;
 /// Walks through a medium for each one through the fibers, which takes longer; they set out along the same ray.
-const BESIDE: u64 = 4;
+pub(super) const BESIDE: u64 = 2;
 /// Walks of each direction and block of the first, short look, and the fewest of a round.
 const FIRST: u64 = 64;
 /// Most of them in a round.
@@ -29,7 +31,7 @@ const MOST_IN_ALL: f64 = (1 << 21) as f64;
 /// Numbers of walks that a block has for its own.
 const OF_BLOCK: u64 = 1 << 32;
 
-/// Walks of every block through a realization of its own.
+/// Walks of every block through realizations of its own.
 struct Round {
     /// Number of the first walk in its block, and walks of each direction.
     first: u64,
@@ -38,13 +40,15 @@ struct Round {
     first_hits: Vec<Arc<FirstHits>>,
 }
 
-/// Walks through the fibers, in rounds that each draw a realization a block.
+/// Walks through the fibers, in rounds that each draw realizations for every block.
 pub struct Pilot {
     scene: Scene,
     goniometer: Goniometer,
     realizer: Realizer,
     seed: u64,
     rounds: Vec<Round>,
+    /// Realizations that were drawn.
+    realizations: u64,
     /// By block.
     fibers: Vec<Tally>,
     /// Pieces that a walk through the fibers is tested against.
@@ -100,6 +104,7 @@ impl Pilot {
             realizer,
             seed,
             rounds: Vec::new(),
+            realizations: 0,
             fibers: Vec::new(),
             tests_a_walk: few.counts.tentative_events as f64 / few.counts.launched as f64,
             pieces: first.tubes().len(),
@@ -120,28 +125,42 @@ impl Pilot {
         self.add(walks, None)
     }
 
+    /// Add a round in which no realization has more walks than in a run through the fibers: further ones through the same tell less.
     fn add(&mut self, walks: f64, drawn: Option<Arc<FiberGrid>>) -> Result<()> {
         let starts = self.goniometer.starts() as f64;
-        let walks = ((walks / (BLOCKS as f64 * starts)) as u64).clamp(FIRST, MOST);
+        let all = (walks / (BLOCKS as f64 * starts)).clamp(FIRST as f64, MOST as f64);
+        let realizations = (all / (self.walks_a_realization / starts).max(FIRST as f64)).ceil();
+        let (each, realizations) = ((all / realizations) as u64, realizations as u64);
         let first = self.rounds.last().map_or(FIRST, |round| round.first + round.walks);
-        let round = self.rounds.len() as u64;
-        let rays =
-            (self.scene.model.first_hit == FirstHit::Fibers).then(|| StraightRays::new(&self.scene, &self.goniometer));
-        let block = |number: u64| {
-            let realization = round * BLOCKS + number;
+        let before = self.realizations;
+        let rays = (self.scene.model.first_hit == scene::FirstHit::Fibers)
+            .then(|| StraightRays::new(&self.scene, &self.goniometer));
+        let one = |number: u64, turn: u64| {
+            let realization = before + number * realizations + turn;
             let grid = match &drawn {
                 Some(grid) if realization == 0 => grid.clone(),
                 _ => Arc::new(FiberGrid::of(&self.realizer.draw(realization)?)?),
             };
-            let plan = WalkPlan { first: number * OF_BLOCK + first, ..WalkPlan::new(!self.seed, walks) };
+            let plan = WalkPlan { first: number * OF_BLOCK + first + turn * each, ..WalkPlan::new(!self.seed, each) };
             let tally = Explicit::of_one(&self.scene, grid.clone()).run(&self.goniometer, &plan, &mut |_| {})?;
-            Ok((tally, rays.as_ref().map(|rays| Arc::new(rays.of_one(realization, &grid, walks as usize)))))
+            Ok((tally, rays.as_ref().map(|rays| rays.of_one(realization, &grid, each as usize))))
+        };
+        let block = |number: u64| {
+            let parts: Vec<(Tally, Option<Vec<FirstHit>>)> =
+                (0..realizations).map(|turn| one(number, turn)).collect::<Result<_>>()?;
+            let (tallies, first_hits): (Vec<Tally>, Vec<Option<Vec<FirstHit>>>) = parts.into_iter().unzip();
+            let mut whole = tallies[0].clone();
+            tallies[1..].iter().try_for_each(|part| whole.merge(part))?;
+            let first_hits: Vec<Vec<FirstHit>> = first_hits.into_iter().flatten().collect();
+            Ok((whole, (!first_hits.is_empty()).then(|| Arc::new(FirstHits::by_turns(each as usize, &first_hits)))))
         };
         let blocks: Vec<(Tally, Option<Arc<FirstHits>>)> =
             (0..BLOCKS).into_par_iter().map(block).collect::<Result<_>>()?;
         let (tallies, first_hits): (Vec<Tally>, Vec<Option<Arc<FirstHits>>>) = blocks.into_iter().unzip();
         join(&mut self.fibers, tallies)?;
-        self.rounds.push(Round { first, walks, first_hits: first_hits.into_iter().flatten().collect() });
+        let first_hits = first_hits.into_iter().flatten().collect();
+        self.rounds.push(Round { first, walks: each * realizations, first_hits });
+        self.realizations += BLOCKS * realizations;
         self.noise_of_one = block_noise(&self.fibers)?.value * (self.of_direction() as f64).sqrt();
         Ok(())
     }
@@ -161,14 +180,17 @@ impl Pilot {
         (self.of_direction() * self.goniometer.starts() as u64) as f64
     }
 
-    /// How many more walks, all directions together, it may have at most.
+    /// How many more walks, all directions together, it may have at most; without end where no first hits are kept.
     pub fn room(&self) -> f64 {
-        (MOST_IN_ALL - self.walks()).max(0.0)
+        match self.scene.model.first_hit {
+            scene::FirstHit::Fibers => (MOST_IN_ALL - self.walks()).max(0.0),
+            scene::FirstHit::Medium => f64::INFINITY,
+        }
     }
 
     /// Realizations that were drawn.
     pub fn realizations(&self) -> f64 {
-        (self.rounds.len() as u64 * BLOCKS) as f64
+        self.realizations as f64
     }
 
     /// Walk through a medium as often as through the fibers, on from the walks that are there, and hold both against each other.

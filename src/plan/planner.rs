@@ -3,7 +3,7 @@
 use super::choice::{Candidate, Plan, reason};
 use super::configuration::{Configuration, Extent};
 use super::cost::{Cost, EngineClass};
-use super::pilot::{Beside, Pilot};
+use super::pilot::{BESIDE, Beside, Pilot};
 use super::prior::{Belief, Expected, USUAL_EDGE};
 use super::trial::BLOCKS;
 use crate::bsdf::{Distance, Estimate, Kept, Verdict};
@@ -29,9 +29,15 @@ const OF_FIBERS: f64 = 0.5;
 /// Straight pieces that pilots of separate fibers of a sheet, whose medium costs nothing, may draw.
 const SEPARATE_PIECES: f64 = (1u64 << 18) as f64;
 /// A smaller model may cost so many times as much in walks as the cheapest.
-const WORTH: f64 = 1.15;
+const WORTH: f64 = 1.05;
 /// Standard errors of the error that is expected of a model before it is tried, taken off the tolerance beside it.
 const ROOM: f64 = 0.75;
+/// Standard errors that are added to E² as it was found, where noise gets what it leaves of the tolerance.
+const CAREFUL: f64 = 0.25;
+/// Seconds of a pilot over those of its walks and pieces: first hits, dispatches.
+const AROUND: f64 = 1.5;
+/// Standard errors below what is expected at which an error is not looked for.
+const UNLIKELY: f64 = 2.0;
 /// The least part of the tolerance to which pilots that go on are expected to tell an error.
 const TOLD: f64 = 0.3;
 /// Tentative events of a walk through a medium, for each piece that one through the fibers is tested against, before any is
@@ -148,9 +154,12 @@ impl Planner<'_> {
                 counting += self.try_medium(likely.configuration, pilot)?;
                 continue;
             };
-            let walks = match self.tried[index].verdict.kept(self.tolerance) {
+            let verdict = &self.tried[index].verdict;
+            let walks = match verdict.kept(self.tolerance) {
                 Kept::Untold(times) => (times - 1.0) * pilot.walks(),
-                Kept::Yes if self.pays(&self.judge(&likely.configuration, pilot, false), pilot) => pilot.walks(),
+                Kept::Yes if self.pays(&self.judge(&likely.configuration, pilot, false), verdict, pilot) => {
+                    pilot.walks()
+                }
                 Kept::Yes | Kept::No => return Ok(counting),
             };
             if !self.may_grow(pilot, walks) {
@@ -207,21 +216,25 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// Whether twice the walks of a pilot cost less than they save: an error that is known better leaves more to noise.
-    fn pays(&self, chosen: &Candidate, pilot: &Pilot) -> bool {
-        let Estimate { value, stderr } = chosen.model_error;
-        let (Some(noise), Some(sharp), Some(seconds)) = (chosen.noise, self.left(value + stderr), chosen.walk_seconds)
-        else {
+    /// Whether twice the walks of a pilot cost less than they save: an error that is known better leaves more to noise. One that was
+    /// found smaller than in other cloths may come out as large as there.
+    fn pays(&self, chosen: &Candidate, verdict: &Verdict, pilot: &Pilot) -> bool {
+        let known = self.belief.at(chosen.configuration.edge.unwrap_or(USUAL_EDGE)).error.powi(2);
+        let Distance { square, square_error } = verdict.light;
+        let sharp = self.left_by(&Distance { square: square.max(known), square_error: square_error / 2.0 });
+        let (Some(noise), Some(sharp), Some(seconds)) = (chosen.noise, sharp, chosen.walk_seconds) else {
             return false;
         };
         seconds * (1.0 - (noise / sharp).powi(2)) > self.of_pilot(pilot, pilot.walks()) - self.of_pilot(pilot, 0.0)
     }
 
-    /// Seconds of a pilot with so many more walks in a further round; of the pilot as it is without any.
+    /// Seconds of a pilot with so many more walks in a further round, and of those through a medium beside them; of the pilot as it
+    /// is without any.
     fn of_pilot(&self, pilot: &Pilot, walks: f64) -> f64 {
         let more = if walks > 0.0 { BLOCKS as f64 } else { 0.0 };
-        let of_walks = (pilot.walks() + walks) * pilot.tests_a_walk * self.cost.test;
-        of_walks + (pilot.realizations() + more) * pilot.pieces as f64 * self.cost.piece
+        let beside = self.events.map_or(0.0, |(_, events)| BESIDE as f64 * events * self.cost.event);
+        let of_walks = (pilot.walks() + walks) * (pilot.tests_a_walk * self.cost.test + beside);
+        AROUND * (of_walks + (pilot.realizations() + more) * pilot.pieces as f64 * self.cost.piece)
     }
 
     /// Whether a pilot may make so many more walks: while that is cheap beside walks through the fibers.
@@ -305,6 +318,11 @@ impl Planner<'_> {
         (Estimate { value: error, stderr: spread }, self.left(error + told.unwrap_or(ROOM * spread)))
     }
 
+    /// The noise that a model leaves whose E² was measured.
+    fn left_by(&self, light: &Distance) -> Option<f64> {
+        self.left((light.square.max(0.0) + CAREFUL * light.square_error).sqrt())
+    }
+
     /// The noise that a model of this error leaves.
     fn left(&self, error: f64) -> Option<f64> {
         let left = self.tolerance.powi(2) - error.powi(2);
@@ -317,15 +335,19 @@ impl Planner<'_> {
         let verdict = self.tried.iter().find(|tried| tried.configuration == *configuration).map(|tried| &tried.verdict);
         let refused = self.refused.iter().find(|(refused, _)| *refused == name).map(|(_, why)| why.clone());
         let explicit = configuration.model.medium == Medium::Explicit;
-        let (mut model_error, expected) = self.shared_out(configuration);
+        let (mut model_error, mut expected) = self.shared_out(configuration);
+        if expected.is_none() && verdict.is_none() {
+            // What other cloths do not rule out a pilot is to tell.
+            expected = self.left((model_error.value - UNLIKELY * model_error.stderr).max(0.0));
+        }
         let mut noise = expected.filter(|_| before || explicit);
         if let Some(verdict) = verdict {
             let (error, high) = (verdict.light.error(), verdict.interval()[1]);
             model_error = Estimate { value: error, stderr: (high - error) / 2.0 };
             noise = match verdict.kept(self.tolerance) {
-                Kept::Yes if !before => self.left(high),
+                Kept::Yes if !before => self.left_by(&verdict.light),
                 // What pilots do not tell yet, more of them may.
-                Kept::Yes => expected.or_else(|| self.left(high)),
+                Kept::Yes => expected.or_else(|| self.left_by(&verdict.light)),
                 Kept::Untold(times) if before && self.may_grow(pilot, (times - 1.0) * pilot.walks()) => {
                     expected.or_else(|| self.left(error))
                 }

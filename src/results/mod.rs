@@ -10,10 +10,12 @@ mod about;
 mod exr;
 mod folder;
 mod provenance;
+mod replay;
 mod summary;
 mod tally;
 
 pub use about::About;
 pub use folder::ResultFolder;
+pub use replay::Replay;
 pub use summary::result_name;
 pub use tally::{Stored, TALLY, write_tally};

@@ -42,6 +42,14 @@ impl FirstHits {
         &self.rays[start * self.of_start + (i % self.of_start as u64) as usize]
     }
 
+    /// `each` rays of every start through each of some realizations, by turns: the first few come from many of them.
+    pub fn by_turns(each: usize, realizations: &[Vec<FirstHit>]) -> FirstHits {
+        let starts = realizations.first().map_or(0, |own| own.len() / each.max(1));
+        let of = |start: usize, ray: usize| realizations.iter().map(move |own| own[start * each + ray]);
+        let rays = (0..starts).flat_map(|start| (0..each).flat_map(move |ray| of(start, ray))).collect();
+        FirstHits { of_start: each * realizations.len(), rays }
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.rays.len() * size_of::<FirstHit>()

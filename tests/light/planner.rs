@@ -8,7 +8,7 @@ use fiberwalk::scene::{Medium, Scene, Source};
 use std::sync::{LazyLock, Mutex, OnceLock};
 
 /// Directions in no plane of the yarns.
-const DIRECTIONS: &str = "[[3, 35], [30, 20], [60, 12], [60, 55]]";
+const DIRECTIONS: &str = "[[17, 25], [30, 160], [40, 295], [50, 70], [60, 205], [73, 340]]";
 /// Walks of each direction and block.
 const WALKS: u64 = 8192;
 

@@ -8,7 +8,7 @@ use fiberwalk::scene::{Medium, Scene, Source};
 use fiberwalk::tables::SamplingTables;
 use fiberwalk::walk::{WalkPlan, Walker};
 
-/// Cloths unlike the presets, on which E of the usual medium is 25, 9 and 6.5 % against the fibers, as an independent tracer confirms:
+/// Cloths unlike the presets, on which E of a medium of 4 R is 25, 9 and 6.5 % against the fibers, as an independent tracer confirms:
 /// a mesh of single filaments, yarns of seven twisted filaments, a dense twill of two plies that absorbs.
 const MESH: &str = "[fiber.a]\nradius_um = 30\nior = 1.55\nabsorption_per_mm = 10
 [yarn.A]\nfiber = \"a\"\nfibers_per_ply = 1\nwidth_um = 62\nheight_um = 62\nply_twist_per_m = 0
@@ -50,7 +50,7 @@ fn planned(scene: &Scene) -> Plan {
 
 #[test]
 fn cloths_that_no_medium_serves_are_walked_through_fiber_by_fiber() {
-    for (name, text) in [("mesh", MESH), ("seven", SEVEN), ("two_ply", TWO_PLY)] {
+    for (name, text) in [("mesh", MESH), ("two_ply", TWO_PLY)] {
         let plan = planned(&scene(text));
         println!("{name}: {}", plan.lines().join("; "));
         assert_eq!(plan.configuration().model.medium, Medium::Explicit, "{name}: {}", plan.reason);
@@ -60,15 +60,19 @@ fn cloths_that_no_medium_serves_are_walked_through_fiber_by_fiber() {
             plan.reason
         );
     }
-    // A cloth that a medium serves gets one, whose error was measured on it.
-    let plan = planned(&preset("muslin"));
-    println!("muslin: {}", plan.lines().join("; "));
-    assert_eq!(plan.configuration().model.medium, Medium::Implicit, "{}", plan.reason);
-    assert!(
-        plan.interval.is_some_and(|[_, high]| high <= 0.05) && plan.reason.contains("keeps 5 %"),
-        "{}",
-        plan.reason
-    );
+}
+
+/// A cloth that a medium serves gets one, whose error was measured on it; yarns of few filaments one of fine cells.
+#[test]
+fn cloths_that_a_medium_serves_get_one_that_is_fine_enough() {
+    for (name, scene, finest) in [("muslin", preset("muslin"), 4.0), ("seven", scene(SEVEN), 1.4)] {
+        let plan = planned(&scene);
+        println!("{name}: {}", plan.lines().join("; "));
+        assert_eq!(plan.configuration().model.medium, Medium::Implicit, "{}", plan.reason);
+        assert!(plan.configuration().edge.is_some_and(|edge| edge <= finest), "{name}: {}", plan.chosen);
+        let kept = plan.interval.is_some_and(|[_, high]| high <= 0.05) && plan.reason.contains("keeps 5 %");
+        assert!(kept, "{name}: {}", plan.reason);
+    }
 }
 
 #[test]
@@ -100,7 +104,7 @@ fn verdict(scene: &Scene, walks: f64, factor: f64) -> Verdict {
 
 #[test]
 fn a_pilot_finds_a_medium_that_is_tampered_with() {
-    for (name, walks) in [("voile", 2e5), ("lining", 2e5)] {
+    for (name, walks) in [("voile", 3e5), ("lining", 4e5)] {
         let scene = preset(name);
         let right = verdict(&scene, walks, 1.0);
         let bent = verdict(&scene, walks, 1.3);

@@ -11,6 +11,7 @@ mod exports;
 mod floors;
 mod knit_hairs;
 mod memory;
+mod replay;
 mod robustness;
 mod wif;
 mod wif_errors;

@@ -4,10 +4,12 @@ use super::super::one_line;
 use super::super::show::budget_lines;
 use super::{Arguments, Choice};
 use fiberwalk::bsdf::noise;
-use fiberwalk::measure::{AgainstFibers, ChosenEngine, Measurement, Prepared, Promise, Stop};
+use fiberwalk::measure::{AgainstFibers, ChosenEngine, EngineChoice, Measurement, Prepared, Promise, Stop, choose};
 use fiberwalk::plan::{Budget, Configuration, EngineClass, Extent, Plan, plan};
+use fiberwalk::results::Replay;
 use fiberwalk::scene::{Medium, Scene};
 use fiberwalk::{Error, Result};
+use std::path::Path;
 
 /// Walks of all directions in each of the blocks of a budget.
 const OF_BUDGET: u64 = 1 << 17;
@@ -17,7 +19,7 @@ pub struct Ready {
     /// When to stop.
     pub stop: Stop,
     /// The plan, if there is one.
-    pub plan: Option<Plan>,
+    pub plan: Option<Planned>,
     /// The medium, if the planner has made it.
     pub prepared: Option<Prepared>,
     /// What was planned and why.
@@ -33,12 +35,28 @@ impl Ready {
     }
 }
 
-/// Whether a measurement kept what was planned.
-pub fn promise(plan: &Plan, measurement: &Measurement) -> Promise {
-    let fibers = plan.configuration().model.medium == Medium::Explicit;
-    let pilots = if fibers { Some([0.0; 2]) } else { plan.interval };
-    let verdict = measurement.against.as_ref().map(AgainstFibers::verdict);
-    Promise::of(plan.tolerance, noise(&measurement.tally), pilots, verdict.as_ref())
+/// What a plan promises.
+pub struct Planned {
+    tolerance: f64,
+    /// Ends of the interval of the model's error: 0 and 0 of the fibers themselves.
+    pilots: Option<[f64; 2]>,
+    /// The plan as it goes into the summary.
+    pub summary: serde_json::Value,
+}
+
+impl Planned {
+    /// Of a plan that was just made.
+    fn of_plan(plan: &Plan) -> Planned {
+        let fibers = plan.configuration().model.medium == Medium::Explicit;
+        let pilots = if fibers { Some([0.0; 2]) } else { plan.interval };
+        Planned { tolerance: plan.tolerance, pilots, summary: plan.summary() }
+    }
+
+    /// Whether a measurement kept what was planned.
+    pub fn promise(&self, measurement: &Measurement) -> Promise {
+        let verdict = measurement.against.as_ref().map(AgainstFibers::verdict);
+        Promise::of(self.tolerance, noise(&measurement.tally), self.pilots, verdict.as_ref())
+    }
 }
 
 /// Say where a promise was not kept; an error if the user is `strict` about it.
@@ -55,7 +73,7 @@ pub fn tell_promise(promise: Option<&Promise>, strict: bool) -> Result<()> {
 
 impl Arguments {
     /// Where a tolerance is to be met and nothing is said of the model, choose one.
-    pub fn plan(&self, scene: &mut Scene, ready: Ready) -> Result<Ready> {
+    pub fn make_plan(&self, scene: &mut Scene, ready: Ready) -> Result<Ready> {
         let Stop::Tolerance(tolerance) = ready.stop else { return Ok(ready) };
         let engine = self.choose_engine()?;
         let extent = Extent::of(scene)?;
@@ -65,7 +83,33 @@ impl Arguments {
         let (plan, prepared) = plan(scene, &extent, tolerance, (&engine, class), self.seed, fibers, true)?;
         *scene = plan.apply(scene, &extent);
         let (stop, told) = (Stop::Tolerance(plan.noise), plan.lines());
-        Ok(Ready { stop, plan: Some(plan), told, prepared, engine: Some(engine) })
+        Ok(Ready { stop, plan: Some(Planned::of_plan(&plan)), told, prepared, engine: Some(engine) })
+    }
+
+    /// Go by the plan of an earlier result, on the engine that it had if none is asked for.
+    pub fn replay(&self, scene: &mut Scene, folder: &Path) -> Result<Ready> {
+        let replay = Replay::read(folder)?;
+        *scene = replay.apply(scene)?;
+        let engine = match (replay.fibers(), self.engine, &self.adapter) {
+            (true, ..) => None,
+            (false, Choice::Auto, None) => {
+                let (engine, adapter) = match replay.engine.as_str() {
+                    "cpu" => (EngineChoice::Cpu, None),
+                    _ => (EngineChoice::Gpu, Some(replay.adapter.as_str())),
+                };
+                let mut engine = choose(engine, adapter)?;
+                engine.grounds.reason = "that of the plan".into();
+                Some(engine)
+            }
+            _ => Some(self.choose_engine()?),
+        };
+        let plan = Planned {
+            tolerance: replay.tolerance,
+            pilots: if replay.fibers() { Some([0.0; 2]) } else { replay.interval },
+            summary: replay.plan.clone(),
+        };
+        let told = vec![format!("plan: that of {}", folder.display())];
+        Ok(Ready { stop: Stop::Tolerance(replay.noise), plan: Some(plan), told, prepared: None, engine })
     }
 
     /// Measure where the error of the model comes from, add it to the measurement, and tell it.

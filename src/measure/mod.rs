@@ -21,4 +21,4 @@ pub use run::{
     prepare_from, prepare_with, run,
 };
 pub use self_test::{SelfTest, self_test};
-pub use stop::Stop;
+pub use stop::{Stop, percent};

@@ -1,5 +1,6 @@
 //! Whether a run kept the tolerance that it was planned for.
 
+use super::stop::percent;
 use crate::bsdf::{Kept, Verdict};
 use serde::Serialize;
 
@@ -53,7 +54,6 @@ impl Promise {
 
     /// What is to be said at the end; nothing where it was kept.
     pub fn line(&self) -> Option<String> {
-        let percent = |share: f64| (1e5 * share).round() / 1e3;
         let of = |what: &str, ends: Option<[f64; 2]>| {
             ends.map(|[low, high]| format!("{what} {:.1} to {:.1} %", 100.0 * low, 100.0 * high))
         };
@@ -68,7 +68,7 @@ impl Promise {
             None => "may not have been kept",
         };
         Some(format!(
-            "the tolerance of {} % {word}: {found}; --model explicit has no error but noise",
+            "the tolerance of {} {word}: {found}; --model explicit has no error but noise",
             percent(self.tolerance)
         ))
     }

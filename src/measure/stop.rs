@@ -16,6 +16,11 @@ const LEAST: f64 = 1.0 / 32.0;
 const NOTHING: u64 = 1 << 18;
 const HARDLY: f64 = 1e-5;
 
+/// A share in percent, without zeros behind: `5 %`.
+pub fn percent(share: f64) -> String {
+    format!("{} %", (1e8 * share).round() / 1e6)
+}
+
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stop {

@@ -2,6 +2,7 @@
 
 use super::configuration::{Configuration, Extent};
 use crate::bsdf::{Estimate, Kept, Verdict};
+use crate::measure::percent;
 use crate::scene::{Medium, Scene};
 use serde::Serialize;
 
@@ -173,9 +174,4 @@ fn measured(verdict: &Verdict) -> String {
 
 fn told(Estimate { value, stderr }: Estimate) -> String {
     format!("{:.1} ± {:.1} %", 100.0 * value, 100.0 * stderr)
-}
-
-/// A share in percent, without zeros behind.
-fn percent(share: f64) -> String {
-    format!("{} %", (1e8 * share).round() / 1e6)
 }

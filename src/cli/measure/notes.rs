@@ -5,7 +5,7 @@ use fiberwalk::bsdf::{Distance, Estimate, Share};
 use fiberwalk::distribution::{Gathering, SpecificLength, Voids};
 use fiberwalk::explicit::{Clustering, Explicit};
 use fiberwalk::goniometer::Goniometer;
-use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop};
+use fiberwalk::measure::{AgainstFibers, ChosenEngine, Prepared, Stop, percent};
 use fiberwalk::scene::{Scene, Structure};
 use fiberwalk::tables::Kind;
 use std::f64::consts::PI;
@@ -119,9 +119,8 @@ fn of_dark_fibers(scene: &Scene) -> Vec<String> {
 /// Until when.
 pub fn of_stop(stop: Stop, explicit: bool) -> Option<String> {
     let Stop::Tolerance(tolerance) = stop else { return None };
-    let percent = (1e8 * tolerance).round() / 1e6;
     let rest = if explicit { "" } else { "; the model's error is not in it" };
-    Some(format!("stop: at a noise of {percent} % of the scattered light{rest}"))
+    Some(format!("stop: at a noise of {} of the scattered light{rest}", percent(tolerance)))
 }
 
 /// How much the walks of one realization resemble each other.

@@ -1,5 +1,7 @@
 //! Whether stated errors hold for cloths that nobody has tried: `cargo run --release --example promise -- [COUNT] [TOLERANCE] [SEED] [FIRST]`
 //!
+//! `promise show NUMBER SEED` prints the file of a cloth.
+//!
 //! Draws cloths from a wide distribution ([`cloths`]: weaves from 1/1 to a satin of 8, jersey, rib and sheets; 1 to 200 fibers a ply, 1 to 3
 //! plies, twist from 0 to 1500/m, radii from 3 to 150 µm, indices from 1.33 to 1.7, absorption from 0 to 1000/mm, blends, hairs, loops,
 //! one or two yarns, open to dense), plans each at a tolerance for a run from 4 × 4 cells of the whole hemisphere into 8 × 8 on each side, and holds the planned medium and all
@@ -187,6 +189,12 @@ fn study(text: &str, number: u64, tolerance: f64, engine: &ChosenEngine) -> fibe
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [show, number, seed] = words.as_slice()
+        && show == "show"
+    {
+        print!("{}", cloths::cloth(seed.parse()?, number.parse()?));
+        return Ok(());
+    }
     let word = |place: usize, usual: f64| words.get(place).map_or(Ok(usual), |word| word.parse::<f64>());
     let (count, tolerance, seed) = (word(0, 200.0)? as usize, word(1, 0.05)?, word(2, 1.0)? as u64);
     let engine = choose(EngineChoice::Auto, None)?;

@@ -13,8 +13,10 @@ use std::sync::{Arc, Mutex};
 
 /// Realizations that rays of one bank go through.
 const REALIZATIONS: u64 = 8;
-/// Realizations that a calculator shows, whose rays are kept for walks; of further ones only the direct light is.
-const SHOWN: u64 = 32;
+/// Most realizations that a calculator shows, whose rays are kept for walks; of further ones only the direct light is. Rays through them are one in
+/// so many of those through a realization that is drawn for a bank.
+const SHOWN: u64 = 64;
+const ONE_IN: u64 = 2;
 /// Direct light is the mean of so many realizations that its standard error is this share of the incident light, or of `MOST`.
 const PRECISION: f64 = 1e-3;
 const MOST: u64 = 160;
@@ -60,37 +62,37 @@ impl StraightRays {
         }
     }
 
-    /// Numbers of the realizations that rays are to go through before the first walk.
+    /// Numbers of the realizations that rays are to go through before the first walk where no calculator shows any.
     pub fn wanted() -> Range<u64> {
-        0..SHOWN
+        0..SHOWN / ONE_IN
     }
 
     /// Walks that set out along one ray, in the mean over the rays of a bank, of so many walks of each of so many starts.
     pub fn walks_a_ray(packing: Packing, starts: usize, walks: u64) -> f64 {
-        let of_start = (RAYS / starts.max(1)).max(FEWEST) as f64;
+        let of_start = of_start(starts.max(1)) as f64;
         match packing {
             Packing::Random => (walks as f64 / (REALIZATIONS as f64 * of_start)).min(WALKS_A_RAY as f64),
             // These rays serve all walks.
-            Packing::Separate => walks as f64 / (SHOWN as f64 * of_start),
+            Packing::Separate => walks as f64 / ((SHOWN / ONE_IN) as f64 * of_start),
         }
     }
 
     /// Memory in bytes of the rays of so many starts, with a bank more that is made while they last.
     pub fn bytes(starts: usize) -> usize {
-        let realization = (RAYS / starts).max(FEWEST) * starts * size_of::<FirstHit>();
-        (SHOWN + REALIZATIONS) as usize * realization
+        let realization = of_start(starts) * starts * size_of::<FirstHit>();
+        (SHOWN / ONE_IN + REALIZATIONS) as usize * realization
     }
 
-    /// Send rays through a realization, if it is wanted.
+    /// Send rays through a realization, if there are not enough yet.
     ///
     /// # Errors
     /// Those of [`FiberGrid::new`].
     pub fn add(&self, number: u64, realization: &Realization) -> Result<()> {
-        if !StraightRays::wanted().contains(&number) || self.seen().contains_key(&number) {
+        if number >= SHOWN || self.seen().contains_key(&number) {
             return Ok(());
         }
-        let rays = self.through(number, &FiberGrid::of(realization)?, self.of_start());
-        self.untouched().insert(number, shares(&rays, self.of_start()));
+        let rays = self.through(number, &FiberGrid::of(realization)?, self.shown());
+        self.untouched().insert(number, shares(&rays, self.shown()));
         self.seen().insert(number, rays);
         Ok(())
     }
@@ -117,7 +119,7 @@ impl StraightRays {
             for start in (first..wanted).step_by(side_by_side as usize) {
                 let numbers = start..(start + side_by_side).min(wanted);
                 let of_one = |number| {
-                    let of_start = (self.of_start() / FEWER).max(FEWEST);
+                    let of_start = (self.shown() / FEWER).max(FEWEST);
                     let rays = self.through(number, &FiberGrid::of(&realizer.draw(number)?)?, of_start);
                     Ok((number, shares(&rays, of_start)))
                 };
@@ -127,9 +129,14 @@ impl StraightRays {
         }
     }
 
-    /// Rays of a start through one realization.
+    /// Rays of a start through a realization that is drawn for a bank.
     fn of_start(&self) -> usize {
-        (RAYS / self.goniometer.starts()).max(FEWEST)
+        of_start(self.goniometer.starts())
+    }
+
+    /// Rays of a start through a realization that a calculator shows.
+    fn shown(&self) -> usize {
+        self.of_start() / ONE_IN as usize
     }
 
     /// The rays of all starts through a realization: of each an even sequence of places on the lit face and directions inside
@@ -173,7 +180,7 @@ impl StraightRays {
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
     /// start; none before the second realization.
     pub fn light(&self) -> Option<Vec<Straight>> {
-        let (untouched, each) = (self.untouched(), self.of_start());
+        let (untouched, each) = (self.untouched(), self.shown());
         let n = untouched.len() as f64;
         (untouched.len() > 1).then(|| {
             let cells = self.goniometer.incident_cells();
@@ -211,10 +218,8 @@ impl StraightRays {
     /// Rays for the walks to set out along: of the realizations that were added, then of those that `realizer` draws.
     /// Without a realizer the first rays serve all walks.
     pub fn into_banks(self, realizer: Option<Realizer>) -> Banks {
-        let seen: Vec<Vec<FirstHit>> = std::mem::take(&mut *self.seen()).into_values().collect();
-        let of_bank = if realizer.is_some() { REALIZATIONS as usize } else { seen.len().max(1) };
-        let shown = seen.chunks(of_bank).map(|some| Arc::new(FirstHits::by_turns(self.of_start(), some))).collect();
-        Banks { rays: self, realizer, shown, last: Mutex::new(None) }
+        let seen = std::mem::take(&mut *self.seen()).into_values().collect();
+        Banks { rays: self, realizer, seen, last: Mutex::new(None) }
     }
 
     fn untouched(&self) -> std::sync::MutexGuard<'_, BTreeMap<u64, Vec<f64>>> {
@@ -232,25 +237,63 @@ pub struct Banks {
     rays: StraightRays,
     realizer: Option<Realizer>,
     /// Rays through the realizations that a calculator showed.
-    shown: Vec<Arc<FirstHits>>,
-    /// The latest one that had to be made, and its number.
+    seen: Vec<Vec<FirstHit>>,
+    /// The latest bank, and its number.
     last: Mutex<Option<(u64, Arc<FirstHits>)>>,
 }
 
 impl Banks {
-    /// Rays of a start through all realizations that a calculator showed.
-    pub fn of_start(&self) -> usize {
-        self.shown.iter().map(|bank| bank.of_start).sum()
-    }
-
-    /// Memory of these rays in bytes.
+    /// Memory of the rays that were shown in bytes.
     pub fn bytes(&self) -> usize {
-        self.shown.iter().map(|bank| bank.bytes()).sum()
+        self.seen.iter().map(|own| own.len() * size_of::<FirstHit>()).sum()
     }
 
     /// Walks that set out along one ray; none where there are only these rays for all walks.
     pub fn walks_a_ray(&self) -> Option<u64> {
         self.realizer.as_ref().map(|_| WALKS_A_RAY)
+    }
+
+    /// Banks whose rays were ready with the medium; endless where they serve all walks.
+    pub fn ready(&self) -> u64 {
+        self.realizer.as_ref().map_or(u64::MAX, |_| self.seen.len() as u64 / (REALIZATIONS * ONE_IN))
+    }
+
+    /// The rays of a bank that shares no realization with another, which the first ones of a run do.
+    ///
+    /// # Errors
+    /// Those of [`FirstHitBanks::bank`].
+    pub fn apart(&self, number: u64) -> Result<Arc<FirstHits>> {
+        if self.realizer.is_none() || number >= self.ready() {
+            return self.bank(number);
+        }
+        let realizations = (REALIZATIONS * ONE_IN) as usize;
+        let own = self.seen.chunks(realizations).nth(number as usize).unwrap_or_default();
+        Ok(Arc::new(FirstHits::by_turns(self.rays.shown(), own)))
+    }
+
+    /// A part of the rays through all realizations that were shown: a short run sees as many as there are.
+    fn mixed(&self, number: u64) -> FirstHits {
+        let (each, parts) = (self.rays.shown(), self.ready() as usize);
+        let own = |rays: &Vec<FirstHit>| -> Vec<FirstHit> {
+            rays.chunks(each)
+                .flat_map(|start| start.chunks(each / parts).nth(number as usize).unwrap_or_default())
+                .copied()
+                .collect()
+        };
+        FirstHits::by_turns(each / parts, &self.seen.iter().map(own).collect::<Vec<_>>())
+    }
+
+    /// Rays through realizations that nobody has drawn yet.
+    fn drawn(&self, realizer: &Realizer, number: u64) -> Result<FirstHits> {
+        let through = |realization| {
+            let grid = FiberGrid::of(&realizer.draw(realization)?)?;
+            Ok(self.rays.through(realization, &grid, self.rays.of_start()))
+        };
+        // Beyond those that were shown, whatever their number was.
+        let first = SHOWN + (number - self.ready()) * REALIZATIONS;
+        let numbers = first..first + REALIZATIONS;
+        let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
+        Ok(FirstHits::by_turns(self.rays.of_start(), &drawn))
     }
 }
 
@@ -261,24 +304,25 @@ impl FirstHitBanks for Banks {
     }
 
     fn bank(&self, number: u64) -> Result<Arc<FirstHits>> {
-        let shown = self.shown.get(usize::try_from(number).unwrap_or(usize::MAX));
-        let (None, Some(realizer)) = (shown, &self.realizer) else {
-            return Ok(shown.unwrap_or(&self.shown[0]).clone());
-        };
+        // Without a realizer there is one bank.
+        let number = if self.realizer.is_some() { number } else { 0 };
         let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if let Some((_, bank)) = last.as_ref().filter(|(known, _)| *known == number) {
             return Ok(bank.clone());
         }
-        let through = |realization| {
-            let grid = FiberGrid::of(&realizer.draw(realization)?)?;
-            Ok(self.rays.through(realization, &grid, self.rays.of_start()))
-        };
-        let numbers = number * REALIZATIONS..(number + 1) * REALIZATIONS;
-        let drawn: Vec<Vec<FirstHit>> = numbers.into_par_iter().map(through).collect::<Result<_>>()?;
-        let bank = Arc::new(FirstHits::by_turns(self.rays.of_start(), &drawn));
+        let bank = Arc::new(match &self.realizer {
+            None => FirstHits::by_turns(self.rays.shown(), &self.seen),
+            Some(_) if number < self.ready() => self.mixed(number),
+            Some(realizer) => self.drawn(realizer, number)?,
+        });
         *last = Some((number, bank.clone()));
         Ok(bank)
     }
+}
+
+/// Rays of each of so many starts through a realization that is drawn for a bank, so many that those which are shown can be shared out evenly.
+fn of_start(starts: usize) -> usize {
+    (RAYS / starts).max(FEWEST) / 8 * 8
 }
 
 /// Shares of the rays of each start through one realization that touch nothing.

@@ -35,9 +35,15 @@ const PIECE_APART: [f64; 2] = [40e3, 20e3];
 /// A walk through finer cells takes this power of 1/edge more time: flights are those of the densest cell, and larger tables fit the
 /// caches less. The second is that of untwisted yarns, whose cells are alike along them.
 const FINER: [f64; 2] = [0.35, 0.15];
-/// Realizations that a medium is counted from, and times that counting a piece takes as long as drawing one that may overlap.
+/// Realizations that a medium is counted from; of few pieces, which know the densities less well, up to `MOST_COUNTED`, as many of
+/// `MANY_PIECES` as of more. Times that counting a piece takes as long as drawing one that may overlap.
 const COUNTED: f64 = 40.0;
+const MOST_COUNTED: f64 = 160.0;
+const MANY_PIECES: f64 = 2e4;
 const COUNTING: f64 = 3.0;
+/// Straight rays to direct light and first hits, and the part of a walk's tests that one takes.
+const RAYS: f64 = (1u64 << 20) as f64;
+const OF_WALK: f64 = 0.5;
 
 /// Nanoseconds and threads of this machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,8 +91,10 @@ impl Cost {
         edge.map_or(1.0, |edge| (tried / edge).powf(self.finer))
     }
 
-    /// Seconds of counting a medium.
-    pub fn counting(&self, pilot: &Pilot) -> f64 {
-        pilot.pieces as f64 * COUNTED * (self.piece + self.counted)
+    /// Seconds of preparing a medium of yarns: of counting it, and of its straight rays.
+    pub fn preparing(&self, pilot: &Pilot) -> f64 {
+        let pieces = pilot.pieces as f64;
+        let realizations = COUNTED * (MANY_PIECES / pieces).sqrt().clamp(1.0, MOST_COUNTED / COUNTED);
+        pieces * realizations * (self.piece + self.counted) + RAYS * OF_WALK * pilot.tests_a_walk * self.test
     }
 }

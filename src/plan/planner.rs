@@ -365,7 +365,7 @@ impl Planner<'_> {
         };
         let ready = self.prepared.as_ref().is_some_and(|(ready, _)| ready == configuration);
         let sheet = matches!(self.scene.structure, Structure::Sheet(_));
-        let prepare_seconds = if explicit || ready || sheet { 0.0 } else { self.cost.counting(pilot) };
+        let prepare_seconds = if explicit || ready || sheet { 0.0 } else { self.cost.preparing(pilot) };
         // Finer exit cells take more walks at equal noise.
         let Goniometer { exit, .. } = &self.goniometer;
         let walks = |noise: f64| (pilot.noise_of_one / noise).powi(2) * (exit.cells() as f64 / pilot.exit_cells());

@@ -68,7 +68,7 @@ impl KeptBanks {
 
     /// Banks that were ready when the medium was.
     pub fn ready(&self) -> u64 {
-        self.banks.walks_a_ray().map_or(u64::MAX, |walks| walks * self.banks.of_start() as u64 / self.banks.span())
+        self.banks.ready()
     }
 
     /// Seconds that a further bank takes to make; none where none was made yet.
@@ -95,17 +95,16 @@ impl FirstHitBanks for KeptBanks {
     }
 
     fn bank(&self, number: u64) -> Result<Arc<FirstHits>> {
-        if number < self.ready() {
-            return self.banks.bank(number);
-        }
         let mut kept = self.lock();
         if let Some(bank) = kept.banks.get(&number) {
             return Ok(bank.clone());
         }
         let started = Instant::now();
-        let bank = self.banks.bank(number)?;
-        let seconds = started.elapsed().as_secs_f64();
-        kept.seconds = Some(kept.seconds.map_or(seconds, |least| least.min(seconds)));
+        let bank = self.banks.apart(number)?;
+        if number >= self.ready() {
+            let seconds = started.elapsed().as_secs_f64();
+            kept.seconds = Some(kept.seconds.map_or(seconds, |least| least.min(seconds)));
+        }
         kept.banks.insert(number, bank.clone());
         // A block that has gone on to this bank is done with its last one.
         if let Some(last) = number.checked_sub(BLOCKS) {

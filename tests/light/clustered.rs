@@ -10,6 +10,9 @@ use fiberwalk::walk::{FirstHitBanks, WalkPlan, Walker};
 
 const RUNS: u64 = 12;
 
+/// Banks of a run that go through the same draws: those that the medium was counted from.
+const SHARED: u64 = 4;
+
 /// Runs of one medium whose walks set out along different rays, through different draws.
 fn runs(name: &str) -> (Prepared, Vec<Tally>) {
     let scene = Scene::parse(&Source::find(name).expect("a preset")).expect("it is fine");
@@ -17,7 +20,7 @@ fn runs(name: &str) -> (Prepared, Vec<Tally>) {
     let span = prepared.first_hits.as_ref().expect("walks meet fibers first").span();
     let medium = prepared.with(gpu());
     let run = |number| {
-        let plan = WalkPlan { first: number * span, ..WalkPlan::new(50 + number, span) };
+        let plan = WalkPlan { first: (SHARED + number) * span, ..WalkPlan::new(50 + number, span) };
         medium.run(&prepared.goniometer, &plan, &mut |_| {}).expect("the device works")
     };
     let runs = (0..RUNS).map(run).collect();

@@ -101,7 +101,7 @@ fn sheet(bends: [f32; 2]) -> [Comparison; 2] {
         let mut bank = (*bank).clone();
         bank.rays.iter_mut().filter_map(|ray| ray.fiber.as_mut()).for_each(|fiber| fiber.offset *= bend);
         let fibers = run(&WalkPlan { first_hits: Some(Arc::new(bank)), ..WalkPlan::new(21, walks) });
-        // All rays of 32 realizations, one walk along each.
+        // All rays of a bank, one walk along each.
         compare(&fibers, &medium, &goniometer, [Some(1.0), None])
     })
 }

@@ -4,7 +4,7 @@
 //!
 //! Draws cloths from a wide distribution ([`cloths`]: weaves from 1/1 to a satin of 8, jersey, rib and sheets; 1 to 200 fibers a ply, 1 to 3
 //! plies, twist from 0 to 1500/m, radii from 3 to 150 µm, indices from 1.33 to 1.7, absorption from 0 to 1000/mm, blends, hairs, loops,
-//! one or two yarns, open to dense), plans each at a tolerance for a run from 4 × 4 cells of the whole hemisphere into 8 × 8 on each side, and holds the planned medium and all
+//! one or two yarns, open to dense), plans each at a tolerance for the default run, 8 × 8 incident and 16 × 16 exit cells, and holds the planned medium and all
 //! others against the fibers themselves by blocks of walks of its own, from directions and into cells that pilots do not have.
 //! A row is a cloth: what was planned, the stated interval of its error, the error found, both with the planned noise over the tolerance,
 //! the seconds of the plan with its run, and what an oracle would choose that knew all errors, with its seconds. Seconds of walks are those of
@@ -22,16 +22,17 @@ use std::time::Instant;
 
 /// Directions (θ, φ) in degrees by which an error is found: in the middle of sixths of the hemisphere by projected solid angle.
 const DIRECTIONS: &str = "[[16.8, 25], [30, 160], [40.2, 295], [49.8, 70], [60, 205], [73.2, 340]]";
-/// Exit cells along an edge, as those of the run, which has light from 4 × 4 cells.
-const EXIT: &str = "8";
+/// Exit cells along an edge.
+const EXIT: &str = "12";
 /// Walks of each direction and block through the fibers, and times as many through the medium.
 const WALKS: u64 = 8192;
 const BESIDE: u64 = 2;
-/// Walks of a first look, incident cells of the run, and the most seconds that the fibers of a cloth may take to meet the tolerance: those
+/// Walks of a first look, incident and exit cells of the run, and the most seconds that the fibers of a cloth may take to meet the tolerance: those
 /// that scatter hardly any light take hours.
 const LOOK: f64 = 2e4;
-const STARTS: f64 = 16.0;
-const MOST_SECONDS: f64 = 30.0;
+const STARTS: f64 = 64.0;
+const EXITS: f64 = 256.0;
+const MOST_SECONDS: f64 = 150.0;
 /// A promise is kept up to this times the tolerance, noise and error together.
 const KEPT: f64 = 1.25;
 /// Seconds that a plan may take beyond this times those of the oracle.
@@ -122,13 +123,13 @@ fn oracle(plan: &Plan, found: &[Found], tolerance: f64) -> (String, bool, f64) {
 fn study(text: &str, number: u64, tolerance: f64, engine: &ChosenEngine) -> fiberwalk::Result<Option<Row>> {
     let source = Source { file: format!("cloth {number}"), stem: "cloth".into(), text: text.into(), folder: None };
     let Ok(mut scene) = Scene::parse(&source) else { return Ok(None) };
-    scene.measure.set_from_flag("incident", "4")?;
-    scene.measure.set_from_flag("exit", EXIT)?;
+    scene.measure.set_from_flag("incident", "8")?;
+    scene.measure.set_from_flag("exit", "16")?;
     let Ok(extent) = Extent::of(&scene) else { return Ok(None) };
     // A look at what the fibers would take.
     let look = Pilot::new(&scene, extent.realizer(), 3, |_, _| LOOK)?;
     let cost = Cost::of(&scene, EngineClass::of(engine));
-    let walks = (look.noise_of_one / tolerance).powi(2) * STARTS;
+    let walks = (look.noise_of_one / tolerance).powi(2) * STARTS * EXITS / look.exit_cells();
     let dear = walks * (look.tests_a_walk * cost.test + look.pieces as f64 * cost.piece / look.walks_a_realization);
     if dear > MOST_SECONDS {
         println!("| {number} | left out: its fibers take {dear:.0} s | | | | | |");

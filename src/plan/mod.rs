@@ -13,6 +13,7 @@ pub mod chart;
 mod choice;
 mod configuration;
 mod cost;
+mod growing;
 mod pilot;
 mod planner;
 mod prior;

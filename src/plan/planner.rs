@@ -3,7 +3,7 @@
 use super::choice::{Candidate, Plan, reason};
 use super::configuration::{Configuration, Extent};
 use super::cost::{Cost, EngineClass};
-use super::pilot::{BESIDE, Beside, Pilot};
+use super::pilot::{Beside, Pilot};
 use super::prior::{Belief, Expected, USUAL_EDGE};
 use super::trial::BLOCKS;
 use crate::bsdf::{Distance, Estimate, Kept, Verdict};
@@ -23,9 +23,6 @@ const NEAR: f64 = 1.2;
 const PILOT: f64 = 0.3;
 /// The least part of them that walks get, however long the fibers take to be drawn.
 const LEAST_WALKING: f64 = 0.3;
-/// Pilots may take so many seconds, or this part of what walks through the fibers would take.
-const ALLOWED: f64 = 1.0;
-const OF_FIBERS: f64 = 0.5;
 /// Straight pieces that pilots of separate fibers of a sheet, whose medium costs nothing, may draw.
 const SEPARATE_PIECES: f64 = (1u64 << 18) as f64;
 /// A smaller model may cost so many times as much in walks as the cheapest.
@@ -34,8 +31,6 @@ const WORTH: f64 = 1.05;
 const ROOM: f64 = 0.75;
 /// Standard errors that are added to E² as it was found, where noise gets what it leaves of the tolerance.
 const CAREFUL: f64 = 0.25;
-/// Seconds of a pilot over those of its walks and pieces: first hits, dispatches.
-const AROUND: f64 = 1.5;
 /// Standard errors below what is expected at which an error is not looked for.
 const UNLIKELY: f64 = 2.0;
 /// The least part of the tolerance to which pilots that go on are expected to tell an error.
@@ -116,8 +111,9 @@ struct Tried {
     verdict: Verdict,
 }
 
-struct Planner<'a> {
-    scene: &'a Scene,
+/// What a planner has found so far.
+pub(super) struct Planner<'a> {
+    pub(super) scene: &'a Scene,
     /// Of the run.
     goniometer: Goniometer,
     extent: &'a Extent,
@@ -126,10 +122,10 @@ struct Planner<'a> {
     fibers: bool,
     kept: bool,
     engine: &'a dyn Engine,
-    belief: Belief,
-    cost: Cost,
+    pub(super) belief: Belief,
+    pub(super) cost: Cost,
     /// Edge of the medium that was tried last, in radii of the thinnest fiber, and tentative events of a walk through it.
-    events: Option<(f64, f64)>,
+    pub(super) events: Option<(f64, f64)>,
     tried: Vec<Tried>,
     /// Media that the cloth does not have, and why.
     refused: Vec<(String, String)>,
@@ -216,33 +212,6 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// Whether twice the walks of a pilot cost less than they save: an error that is known better leaves more to noise. One that was
-    /// found smaller than in other cloths may come out as large as there.
-    fn pays(&self, chosen: &Candidate, verdict: &Verdict, pilot: &Pilot) -> bool {
-        let known = self.belief.at(chosen.configuration.edge.unwrap_or(USUAL_EDGE)).error.powi(2);
-        let Distance { square, square_error } = verdict.light;
-        let sharp = self.left_by(&Distance { square: square.max(known), square_error: square_error / 2.0 });
-        let (Some(noise), Some(sharp), Some(seconds)) = (chosen.noise, sharp, chosen.walk_seconds) else {
-            return false;
-        };
-        seconds * (1.0 - (noise / sharp).powi(2)) > self.of_pilot(pilot, pilot.walks()) - self.of_pilot(pilot, 0.0)
-    }
-
-    /// Seconds of a pilot with so many more walks in a further round, and of those through a medium beside them; of the pilot as it
-    /// is without any.
-    fn of_pilot(&self, pilot: &Pilot, walks: f64) -> f64 {
-        let more = if walks > 0.0 { BLOCKS as f64 } else { 0.0 };
-        let beside = self.events.map_or(0.0, |(_, events)| BESIDE as f64 * events * self.cost.event);
-        let of_walks = (pilot.walks() + walks) * (pilot.tests_a_walk * self.cost.test + beside);
-        AROUND * (of_walks + (pilot.realizations() + more) * pilot.pieces as f64 * self.cost.piece)
-    }
-
-    /// Whether a pilot may make so many more walks: while that is cheap beside walks through the fibers.
-    fn may_grow(&self, pilot: &Pilot, walks: f64) -> bool {
-        let fibers = self.judge(&Configuration::usual_fibers(self.scene), pilot, false).seconds();
-        walks <= pilot.room() && self.of_pilot(pilot, walks) <= ALLOWED.max(OF_FIBERS * fibers)
-    }
-
     /// Whether separate fibers of a sheet take so long to be drawn that its medium, which costs nothing, is taken untried.
     fn cannot_be_tried(&self) -> Result<bool> {
         let separate = self.scene.model.packing == Packing::Separate;
@@ -319,7 +288,7 @@ impl Planner<'_> {
     }
 
     /// The noise that a model leaves whose E² was measured.
-    fn left_by(&self, light: &Distance) -> Option<f64> {
+    pub(super) fn left_by(&self, light: &Distance) -> Option<f64> {
         self.left((light.square.max(0.0) + CAREFUL * light.square_error).sqrt())
     }
 
@@ -330,7 +299,7 @@ impl Planner<'_> {
     }
 
     /// What was measured of a configuration; `before` the last pilot what may be expected of it, with pilots that grow further.
-    fn judge(&self, configuration: &Configuration, pilot: &Pilot, before: bool) -> Candidate {
+    pub(super) fn judge(&self, configuration: &Configuration, pilot: &Pilot, before: bool) -> Candidate {
         let name = configuration.name();
         let verdict = self.tried.iter().find(|tried| tried.configuration == *configuration).map(|tried| &tried.verdict);
         let refused = self.refused.iter().find(|(refused, _)| *refused == name).map(|(_, why)| why.clone());

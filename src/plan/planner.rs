@@ -172,7 +172,7 @@ impl Planner<'_> {
         match self.prepare(configuration) {
             Ok(()) => {}
             Err(error) if self.fibers || self.list().len() > self.refused.len() + 1 => {
-                self.refused.push((configuration.name(), error.to_string()));
+                self.refuse(&configuration, &error.to_string());
                 return Ok(0.0);
             }
             Err(error) => return Err(error),
@@ -187,6 +187,17 @@ impl Planner<'_> {
         self.events = Some((edge, beside.events()));
         self.belief = self.belief.after(verdict.light.square, verdict.light.square_error, edge);
         Ok(seconds)
+    }
+
+    /// Note that the cloth does not have a medium, nor any of finer cells: the fullest part of a full cell is no less full, and lists and
+    /// memory grow.
+    fn refuse(&mut self, configuration: &Configuration, why: &str) {
+        let finer = |one: &Configuration| one.edge.zip(configuration.edge).is_some_and(|(one, edge)| one < edge);
+        let all = self.list().into_iter().filter(|one| one == configuration || finer(one));
+        let names: Vec<String> = all.map(|one| one.name()).collect();
+        let new = |name: &String| self.refused.iter().all(|(known, _)| known != name);
+        let refused: Vec<(String, String)> = names.into_iter().filter(new).map(|name| (name, why.to_owned())).collect();
+        self.refused.extend(refused);
     }
 
     /// Prepare a medium, in the place of that which was tried last.

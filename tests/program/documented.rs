@@ -208,7 +208,8 @@ fn names_what_is_there(line: &str) -> bool {
     let script = arguments[0] != "bash" || file(arguments[1].clone());
     test && script
         && after("--bench").is_none_or(|name| file(format!("benches/{name}.rs")))
-        && after("--example").is_none_or(|name| file(format!("examples/{name}.rs")))
+        && after("--example")
+            .is_none_or(|name| file(format!("examples/{name}.rs")) || file(format!("examples/{name}/main.rs")))
 }
 
 #[test]

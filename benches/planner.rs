@@ -70,7 +70,7 @@ fn study(name: &str, listed: bool) -> Result<()> {
     let mut scene = Scene::parse(&Source::find(name)?)?;
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
-    // Separate fibers get no pilot.
+    // Separate fibers of all presets would take hours to be drawn.
     scene.model.set_from_flag("packing", "random")?;
     let extent = Extent::of(&scene)?;
     let trial = Trial::prepare(&scene, &extent, Configuration::fibers(&scene, EACH))?;

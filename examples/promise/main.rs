@@ -73,7 +73,7 @@ fn broken(verdict: &Verdict, tolerance: f64) -> Option<Gap> {
 }
 
 /// All media of the cloth against its fibers.
-fn find(scene: &Scene, extent: &Extent, chosen: Configuration, engine: &ChosenEngine) -> fiberwalk::Result<Vec<Found>> {
+fn find(scene: &Scene, extent: &Extent, engine: &ChosenEngine) -> fiberwalk::Result<Vec<Found>> {
     let mut scene = scene.clone();
     scene.measure.set_from_flag("incident", DIRECTIONS)?;
     scene.measure.set_from_flag("exit", EXIT)?;
@@ -82,12 +82,8 @@ fn find(scene: &Scene, extent: &Extent, chosen: Configuration, engine: &ChosenEn
         Ok(trial.blocks(engine, seed, 0, walks)?.into_iter().map(|block| block.tally).collect())
     };
     let fibers = walk(&Trial::prepare(&scene, extent, Configuration::fibers(&scene, 512))?, WALKS)?;
-    let mut all = candidates(&scene, extent);
-    if !all.contains(&chosen) {
-        all.push(chosen);
-    }
     let mut found = Vec::new();
-    for configuration in all.into_iter().filter(|one| one.model.medium == Medium::Implicit) {
+    for configuration in candidates(&scene, extent).into_iter().filter(|one| one.model.medium == Medium::Implicit) {
         // What the cloth does not have no oracle takes.
         let Ok(trial) = Trial::prepare(&scene, extent, configuration) else { continue };
         let verdict = Verdict::new(&walk(&trial, BESIDE * WALKS)?, &fibers)?;
@@ -97,9 +93,9 @@ fn find(scene: &Scene, extent: &Extent, chosen: Configuration, engine: &ChosenEn
 }
 
 /// Name, whether it is a medium, and seconds of the cheapest way that keeps the tolerance, for one that knows all errors.
-fn oracle(plan: &Plan, found: &[Found], tolerance: f64) -> (String, bool, f64) {
+fn oracle(plan: &Plan, found: &[Found], fibers: &str, tolerance: f64) -> (String, bool, f64) {
     let priced = |name: &str| plan.candidates.iter().find(|one| one.name == name);
-    let fibers = plan.candidates.iter().find(|one| one.prepare_seconds == 0.0 && one.name.starts_with("fibers"));
+    let fibers = priced(fibers);
     // Walks for a noise of 1.
     let walks = fibers.and_then(|one| Some(one.walk_seconds? * one.noise?.powi(2) / one.seconds_a_walk));
     let mut best = fibers.and_then(|one| Some((one.name.clone(), false, one.walk_seconds?)));
@@ -144,8 +140,8 @@ fn study(text: &str, number: u64, tolerance: f64, engine: &ChosenEngine) -> fibe
         println!("| {number} | {name} | {} | — | — | {planned:.1} | — |", plan.reason);
         return Ok(None);
     }
-    let found = find(&scene, &extent, configuration, engine)?;
-    let (best, oracle_medium, least) = oracle(&plan, &found, tolerance);
+    let found = find(&scene, &extent, engine)?;
+    let (best, oracle_medium, least) = oracle(&plan, &found, &Configuration::usual_fibers(&scene).name(), tolerance);
     let walks = plan.candidates.iter().find(|one| one.name == *name).and_then(|one| one.walk_seconds).unwrap_or(0.0);
     let seconds = planned + walks;
     let dear = least.is_finite() && seconds > SECONDS[0] * least + SECONDS[1];

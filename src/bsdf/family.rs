@@ -209,11 +209,8 @@ impl<'a> Family<'a> {
             Outgoing::Part(part) => self.parts.of_bin(*bin) == part,
             _ => Outgoing::Total(self.parts.of_bin(*bin) / PARTS) == outgoing,
         };
-        let mut light = Moments::default();
-        for bin in (0..2 * tally.layout.exit_cells).filter(holds) {
-            let Moments { sum, square } = tally.light(start, bin, channel);
-            light = Moments { sum: light.sum + sum, square: light.square + square };
-        }
+        let bins = (0..2 * tally.layout.exit_cells).filter(holds);
+        let light = bins.map(|bin| tally.light(start, bin, channel)).sum();
         share(tally, start, tally.walks_per_incident(), light)
     }
 

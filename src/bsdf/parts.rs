@@ -12,9 +12,7 @@ pub fn scattered_parts(tally: &Tally, exit: &Basis) -> Vec<Estimate> {
         let mut sums = vec![Moments::default(); 2 * PARTS * channels];
         for bin in 0..2 * tally.layout.exit_cells {
             for channel in 0..channels {
-                // A walk leaves in one cell, so its square counts once.
-                let (sum, seen) = (&mut sums[parts.of_bin(bin) * channels + channel], tally.light(start, bin, channel));
-                (sum.sum, sum.square) = (sum.sum + seen.sum, sum.square + seen.square);
+                sums[parts.of_bin(bin) * channels + channel] += tally.light(start, bin, channel);
             }
         }
         light.extend(sums.into_iter().map(|sum| share(tally, start, tally.walks_per_incident(), sum)));

@@ -194,12 +194,9 @@ impl Beam {
     }
 }
 
-/// Add light of both tallies; a walk leaves in one cell, so its square counts once.
+/// Add light of both tallies.
 pub(super) fn gather(sum: &mut [Moments; 2], light: &[Moments; 2]) {
-    for (sum, light) in sum.iter_mut().zip(light) {
-        sum.sum += light.sum;
-        sum.square += light.square;
-    }
+    sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += *light);
 }
 
 /// Starts of a lit side, by its place in `sides`.

@@ -24,10 +24,7 @@ pub fn totals(tally: &Tally, start: usize, channel: usize) -> Totals {
     let walks = tally.walks_per_incident();
     let cells = tally.layout.exit_cells;
     let sum = |bins: std::ops::Range<usize>| {
-        let moments = bins.map(|bin| tally.light(start, bin, channel));
-        // A walk leaves in one cell, so its square counts once.
-        let sum = moments.fold(Moments::default(), |a, b| Moments { sum: a.sum + b.sum, square: a.square + b.square });
-        share(tally, start, walks, sum)
+        share(tally, start, walks, bins.map(|bin| tally.light(start, bin, channel)).sum())
     };
     let lost = share(tally, start, walks, Moments { sum: tally.lost(start) * tally.unit(), square: 0 });
     Totals {
@@ -100,10 +97,14 @@ fn mean(parts: &[Part], walks: u64, of: fn(&Totals) -> Estimate) -> Estimate {
     Estimate { value, stderr: parts.iter().map(variance).sum::<f64>().max(0.0).sqrt() }
 }
 
-/// The mean of direct light that straight rays tell, with the variance of the mean over realizations.
+/// The mean of direct light that straight rays tell, with the variance of the mean over realizations; a start of which the walks
+/// say all has its own.
 fn direct_mean(parts: &[Part]) -> Estimate {
     let value = parts.iter().map(|part| part.weight * part.totals.direct.value).sum();
-    let shared = |part: &Part| part.weight * part.rays.map_or(0.0, |rays| rays.with_mean);
+    let shared = |part: &Part| {
+        let own = part.weight * part.totals.direct.stderr.powi(2);
+        part.weight * part.rays.map_or(own, |rays| rays.with_mean)
+    };
     Estimate { value, stderr: parts.iter().map(shared).sum::<f64>().max(0.0).sqrt() }
 }
 
@@ -184,5 +185,12 @@ mod tests {
         assert!((direct - 0.02).abs() < 1e-12 && (absorbed - 0.02).abs() < 1e-6 && reflected < 3e-5);
         let [direct, absorbed, _] = errors([0.0; 4]);
         assert!(direct < 1e-12 && absorbed < 1e-4, "{direct} {absorbed}");
+        // Where no walk meets a fiber, walks say all, and none of the light is known without error.
+        let mut tally = Tally::new(origin.clone(), BinLayout { exit_cells: 1 }, 4, Some(1));
+        tally.coverage = Coverage::new(origin.clone(), 0..100);
+        (0..4).for_each(|cell| tally.bins[5 * cell + 2] = 100);
+        tally.straight = Some(vec![Straight { value: 1.0, stderr: 0.01, with_mean: 0.0 }; 4]);
+        let mean = hemispherical(&tally, &goniometer, 0, 0).expect("a disc has a mean");
+        assert_eq!(mean.direct, Estimate { value: 1.0, stderr: 0.005 });
     }
 }

@@ -141,7 +141,7 @@ impl StraightRays {
 
     /// The rays of all starts through a realization: of each an even sequence of places on the lit face and directions inside
     /// the incident cell, begun anywhere.
-    fn through(&self, number: u64, grid: &FiberGrid, of_start: usize) -> Vec<FirstHit> {
+    pub fn through(&self, number: u64, grid: &FiberGrid, of_start: usize) -> Vec<FirstHit> {
         let [low, high] = grid.span();
         let mut work = Work::default();
         let step = DVec4::new(1.0, ROOT, ROOT.powi(2), ROOT.powi(3)) / ROOT.powi(4);
@@ -172,11 +172,6 @@ impl StraightRays {
         rays
     }
 
-    /// So many rays of each start through one realization, start by start.
-    pub fn of_one(&self, number: u64, grid: &FiberGrid, of_start: usize) -> Vec<FirstHit> {
-        self.through(number, grid, of_start)
-    }
-
     /// The mean share over realizations of the light that touches nothing, and its standard error, by
     /// start; none before the second realization.
     pub fn light(&self) -> Option<Vec<Straight>> {
@@ -202,14 +197,12 @@ impl StraightRays {
                 // Where all or none of the rays were stopped, the error is that of one of them.
                 let least = 1.0 / (n * each as f64);
                 let (stderr, with_mean) = ((square / n / (n - 1.0)).sqrt(), shared / n / (n - 1.0));
-                match stderr < least {
-                    true => Straight {
-                        value: means[start],
-                        stderr: least,
-                        with_mean: self.goniometer.weight(start) * least * least,
-                    },
-                    false => Straight { value: means[start], stderr, with_mean },
-                }
+                let (stderr, with_mean) = if stderr < least {
+                    (least, self.goniometer.weight(start) * least * least)
+                } else {
+                    (stderr, with_mean)
+                };
+                Straight { value: means[start], stderr, with_mean }
             };
             (0..self.goniometer.starts()).map(of).collect()
         })

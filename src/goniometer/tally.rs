@@ -3,6 +3,8 @@
 use super::coverage::{Coverage, Origin};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::iter::Sum;
+use std::ops::AddAssign;
 
 /// Fixed-point units of one walk's light when fibers absorb, 2ˢ with s = 12.
 pub const WEIGHT: u64 = 1 << 12;
@@ -89,6 +91,22 @@ impl Moments {
     pub fn add(&mut self, q: u64) {
         self.sum += q;
         self.square += q * q;
+    }
+}
+
+/// Of walks that are in one of both; each leaves in one cell, so its square counts once.
+impl AddAssign for Moments {
+    fn add_assign(&mut self, other: Moments) {
+        self.sum += other.sum;
+        self.square += other.square;
+    }
+}
+
+impl Sum for Moments {
+    fn sum<I: Iterator<Item = Moments>>(all: I) -> Moments {
+        let mut whole = Moments::default();
+        all.for_each(|one| whole += one);
+        whole
     }
 }
 

@@ -42,13 +42,15 @@ impl Stop {
             Stop::Walks(walks) => return (made < *walks).then_some(*walks),
             Stop::Tolerance(tolerance) => {
                 let noise = noise(tally);
-                let wanted = ENOUGH * made as f64 * (noise / tolerance).powi(2);
-                let wanted = wanted.max((1.0 + LEAST) * made as f64).min((u64::MAX / 2) as f64) as u64;
-                (noise <= *tolerance || (made >= NOTHING && scattered(tally) < HARDLY), wanted.next_multiple_of(EVEN))
+                let times = (ENOUGH * more(noise, *tolerance)).max(1.0 + LEAST);
+                let enough = noise <= *tolerance || (made >= NOTHING && scattered(tally) < HARDLY);
+                (enough, times * made as f64)
             }
-            Stop::Time(time) => (made > 0 && begun.elapsed() >= *time, u64::MAX),
+            Stop::Time(time) => (made > 0 && begun.elapsed() >= *time, f64::INFINITY),
         };
-        let wanted = if made == 0 { u64::MAX } else { wanted };
+        // Before the first walk nothing says how many it takes.
+        let wanted = if made > 0 { wanted.min((u64::MAX / 2) as f64) as u64 } else { u64::MAX / 2 };
+        let wanted = wanted.next_multiple_of(EVEN);
         (!enough && made < most).then(|| step_after(made).min(wanted).min(most))
     }
 
@@ -56,12 +58,16 @@ impl Stop {
     pub fn expected(&self, noise: f64, made: u64, begun: Instant) -> Option<u64> {
         let more = match self {
             Stop::Walks(walks) => return Some(*walks),
-            // Noise falls with the root of the walks.
-            Stop::Tolerance(tolerance) => (noise / tolerance).powi(2),
+            Stop::Tolerance(tolerance) => more(noise, *tolerance),
             Stop::Time(time) => time.as_secs_f64() / begun.elapsed().as_secs_f64(),
         };
         (more.is_finite() && made > 0).then(|| (made as f64 * more.max(1.0)) as u64)
     }
+}
+
+/// Times as many walks as there are that bring their noise to a tolerance: it falls with the root of the walks.
+fn more(noise: f64, tolerance: f64) -> f64 {
+    (noise / tolerance).powi(2)
 }
 
 /// Share of all walks that were scattered.

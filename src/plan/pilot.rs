@@ -143,7 +143,7 @@ impl Pilot {
             };
             let plan = WalkPlan { first: number * OF_BLOCK + first + turn * each, ..WalkPlan::new(!self.seed, each) };
             let tally = Explicit::of_one(&self.scene, grid.clone()).run(&self.goniometer, &plan, &mut |_| {})?;
-            Ok((tally, rays.as_ref().map(|rays| rays.of_one(realization, &grid, each as usize))))
+            Ok((tally, rays.as_ref().map(|rays| rays.through(realization, &grid, each as usize))))
         };
         let block = |number: u64| {
             let parts: Vec<(Tally, Option<Vec<FirstHit>>)> =

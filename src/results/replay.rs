@@ -2,7 +2,7 @@
 
 use super::tally::{Stored, TALLY};
 use crate::error::{Error, Result};
-use crate::scene::{Medium, Model, Scene};
+use crate::scene::{Medium, Scene};
 use serde_json::Value;
 use std::path::Path;
 
@@ -93,14 +93,6 @@ impl Replay {
                 (key, value) => model.set_from_flag(key, &value.to_string())?,
             }
         }
-        if model.medium == Medium::Explicit {
-            *model = Model { cells: None, ..*model };
-        }
         Ok(scene)
-    }
-
-    /// Whether light goes through the fibers themselves.
-    pub fn fibers(&self) -> bool {
-        self.model.get("medium").is_some_and(|medium| medium == "explicit")
     }
 }

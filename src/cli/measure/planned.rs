@@ -5,7 +5,7 @@ use super::super::show::budget_lines;
 use super::{Arguments, Choice};
 use fiberwalk::bsdf::noise;
 use fiberwalk::measure::{AgainstFibers, ChosenEngine, EngineChoice, Measurement, Prepared, Promise, Stop, choose};
-use fiberwalk::plan::{Budget, Configuration, EngineClass, Extent, Plan, plan};
+use fiberwalk::plan::{Budget, Configuration, EngineClass, Extent, plan};
 use fiberwalk::results::Replay;
 use fiberwalk::scene::{Medium, Scene};
 use fiberwalk::{Error, Result};
@@ -45,11 +45,10 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// Of a plan that was just made.
-    fn of_plan(plan: &Plan) -> Planned {
-        let fibers = plan.configuration().model.medium == Medium::Explicit;
-        let pilots = if fibers { Some([0.0; 2]) } else { plan.interval };
-        Planned { tolerance: plan.tolerance, pilots, summary: plan.summary() }
+    /// Of a plan for this medium, whose error pilots gave this interval.
+    fn new(tolerance: f64, medium: Medium, interval: Option<[f64; 2]>, summary: serde_json::Value) -> Planned {
+        let pilots = if medium == Medium::Explicit { Some([0.0; 2]) } else { interval };
+        Planned { tolerance, pilots, summary }
     }
 
     /// Whether a measurement kept what was planned.
@@ -83,14 +82,16 @@ impl Arguments {
         let (plan, prepared) = plan(scene, &extent, tolerance, (&engine, class), self.seed, fibers, true)?;
         *scene = plan.apply(scene, &extent);
         let (stop, told) = (Stop::Tolerance(plan.noise), plan.lines());
-        Ok(Ready { stop, plan: Some(Planned::of_plan(&plan)), told, prepared, engine: Some(engine) })
+        let planned = Planned::new(plan.tolerance, scene.model.medium, plan.interval, plan.summary());
+        Ok(Ready { stop, plan: Some(planned), told, prepared, engine: Some(engine) })
     }
 
     /// Go by the plan of an earlier result, on the engine that it had if none is asked for.
     pub fn replay(&self, scene: &mut Scene, folder: &Path) -> Result<Ready> {
         let replay = Replay::read(folder)?;
         *scene = replay.apply(scene)?;
-        let engine = match (replay.fibers(), self.engine, &self.adapter) {
+        let fibers = scene.model.medium == Medium::Explicit;
+        let engine = match (fibers, self.engine, &self.adapter) {
             (true, ..) => None,
             (false, Choice::Auto, None) => {
                 let (engine, adapter) = match replay.engine.as_str() {
@@ -103,11 +104,7 @@ impl Arguments {
             }
             _ => Some(self.choose_engine()?),
         };
-        let plan = Planned {
-            tolerance: replay.tolerance,
-            pilots: if replay.fibers() { Some([0.0; 2]) } else { replay.interval },
-            summary: replay.plan.clone(),
-        };
+        let plan = Planned::new(replay.tolerance, scene.model.medium, replay.interval, replay.plan);
         let told = vec![format!("plan: that of {}", folder.display())];
         Ok(Ready { stop: Stop::Tolerance(replay.noise), plan: Some(plan), told, prepared: None, engine })
     }
